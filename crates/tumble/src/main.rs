@@ -1,0 +1,5 @@
+//! Command line of Tumble.
+
+fn main() -> anyhow::Result<()> {
+    Ok(())
+}
