@@ -1,0 +1,3 @@
+//! Tests of the public interface against independent oracles.
+
+mod strd;
