@@ -24,12 +24,10 @@ pub struct Fit {
     pub(crate) whitener: Whitener,
     /// Columns of the whitened design matrix.
     pub(crate) columns: Vec<Vec<f64>>,
-    pub(crate) factored: Factored,
     /// Whitened column of ones, if the model has an intercept.
     pub(crate) ones: Option<Vec<f64>>,
     coefficients: Vec<f64>,
     r_inverse: Vec<Vec<f64>>,
-    pub(crate) whitened_residuals: Vec<f64>,
     residuals: Vec<f64>,
     anova: Anova,
     condition_number: f64,
@@ -129,10 +127,8 @@ pub fn fit<P: AsRef<[f64]>>(
         whitener,
         r_inverse: factored.r_inverse(),
         columns,
-        factored,
         ones,
         coefficients,
-        whitened_residuals,
         residuals,
         anova,
         condition_number,

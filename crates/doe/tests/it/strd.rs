@@ -84,38 +84,44 @@ fn scores(fit: &Fit, c: &Value) -> [f64; 3] {
     ]
 }
 
+/// Nine digits are asked; twelve leave room for another processor's rounding below the thirteen
+/// to fifteen that come out.
+const DIGITS: f64 = 12.0;
+
 #[test]
 fn every_set_agrees_with_its_certified_values() {
-    // Estimates and residuals are refined in twice the precision, so they reach the 15 certified
-    // digits whatever the conditioning. Standard errors come from R in f64 and lose the digits
-    // of the condition number: at most 6 in these sets but 9 in Filip, tested apart.
+    // Estimates and residuals are refined in twice the precision and reach the certified 15
+    // digits but for the rounding of the data to binary (y of Wampler2 by 13 digits). Standard
+    // errors come from R in f64 and lose some of the digits of the condition number.
     for name in [
         "norris", "pontius", "noint1", "noint2", "longley", "wampler1", "wampler2", "wampler3",
         "wampler4", "wampler5",
     ] {
         let (fit, certified) = fit_set(name, false);
-        let [estimates, errors, variances] = scores(&fit, &certified);
-        println!("{name}: digits {estimates:.1} {errors:.1} {variances:.1}");
-        assert!(estimates > 9.0 && errors > 9.0 && variances > 9.0, "{name}");
+        let scores = scores(&fit, &certified);
+        assert!(scores.iter().all(|digits| *digits > DIGITS), "{name}: {scores:.1?}");
     }
 }
 
 #[test]
-fn filip_in_raw_powers() {
+fn filip_in_raw_powers_keeps_seven_digits_of_its_standard_errors() {
+    // Powers of x up to the tenth, scaled to equal length, have a condition number of about
+    // 1e10: R in f64 is left with 16 - 10 digits and the standard errors, which are lengths of
+    // rows of its inverse, with about 7. Estimates and residuals are refined and do not suffer.
     let (fit, certified) = fit_set("filip", false);
     let [estimates, errors, variances] = scores(&fit, &certified);
-    println!("filip raw: digits {estimates:.1} {errors:.1} {variances:.1}");
+    assert!(estimates > DIGITS && variances > DIGITS, "{estimates:.1} {variances:.1}");
+    assert!(errors > 7.0, "{errors:.1}");
 }
 
 #[test]
-fn filip_coded() {
+fn filip_in_a_coded_factor_keeps_them_all() {
+    // Coded to -1..1 the condition number is 2.9e3; the way back to natural powers is exact but
+    // for rounding.
     let (fit, certified) = fit_set("filip", true);
+    assert!(fit.condition_number() < 3.0e3);
     let natural = fit.natural_form().unwrap();
-    println!(
-        "filip coded: digits {:.1} {:.1} kappa {}",
-        least(&natural.coefficients, &certified["estimate"]),
-        least(&natural.standard_errors, &certified["standard_deviation"]),
-        fit.condition_number()
-    );
-    println!("{natural}");
+    let estimates = least(&natural.coefficients, &certified["estimate"]);
+    let errors = least(&natural.standard_errors, &certified["standard_deviation"]);
+    assert!(estimates > DIGITS && errors > DIGITS, "{estimates:.1} {errors:.1}");
 }
