@@ -3,6 +3,7 @@
 
 mod anova;
 mod distribution;
+mod double_double;
 mod error;
 mod factor;
 mod fit;
@@ -10,8 +11,10 @@ mod lack_of_fit;
 mod least_squares;
 mod model;
 mod model_terms;
+mod natural_form;
 mod prediction;
 mod quality;
+mod refinement;
 mod run_diagnostics;
 mod term;
 mod weighting;
@@ -22,6 +25,7 @@ pub use factor::Factor;
 pub use fit::{CoefficientRow, Fit, fit};
 pub use model::Model;
 pub use model_terms::ModelTerms;
+pub use natural_form::NaturalForm;
 pub use prediction::Prediction;
 pub use quality::Summary;
 pub use term::{Power, Saturation, Term};
