@@ -354,7 +354,7 @@ mod tests {
         let grid = Grid::sample(11, 11, (0.0, 1.0), (0.0, 1.0), |_, y| y);
         let lines = grid.isolines(0.5);
         assert_eq!(lines.len(), 1);
-        assert_eq!(lines[0].len() >= 11, true, "it crosses every column");
+        assert!(lines[0].len() >= 11, "it crosses every column");
     }
 
     #[test]

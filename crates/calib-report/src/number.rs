@@ -90,8 +90,3 @@ pub(crate) fn padded((lo, hi): (f64, f64), fraction: f64) -> (f64, f64) {
         (lo - half, hi + half)
     }
 }
-
-/// The smaller and the larger of two numbers, in this order.
-pub(crate) fn sorted(a: f64, b: f64) -> (f64, f64) {
-    if a <= b { (a, b) } else { (b, a) }
-}

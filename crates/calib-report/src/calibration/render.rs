@@ -158,6 +158,12 @@ impl CalibrationReport {
             ));
             let figures = self.maps.iter().map(|m| Figure::new(m, "")).collect();
             section.blocks.push(Block::Figures(figures));
+            let closer: Vec<Figure> =
+                self.maps.iter().filter_map(|m| m.closer()).map(|m| Figure::new(&m, "")).collect();
+            if !closer.is_empty() {
+                section.blocks.push(Block::Heading("The bands closer".into()));
+                section.blocks.push(Block::Figures(closer));
+            }
         }
         section
     }

@@ -76,6 +76,7 @@ impl Table {
             div.scroll tabindex="0" {
                 table {
                     @if !self.caption.is_empty() { caption { (rich(&self.caption)) } }
+                    @if shown.iter().any(|&c| !self.columns[c].heading.is_empty()) {
                     thead {
                         tr {
                             @for &c in &shown {
@@ -88,6 +89,7 @@ impl Table {
                                 }
                             }
                         }
+                    }
                     }
                     tbody {
                         @for row in &self.rows {

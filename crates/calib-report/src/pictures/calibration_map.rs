@@ -2,7 +2,7 @@
 
 use crate::Picture;
 use crate::contour::{Bounds, Chain, Grid, area, region};
-use crate::number::{drawable, fixed};
+use crate::number::{drawable, extent, fixed};
 use crate::svg::frame::{Layout, no_data};
 use crate::svg::scale::{decimals_of_step, nice_step, nice_values};
 use crate::svg::{Anchor, Axis, Dash, FontSize, Frame, Key, LegendEntry, Marker, Paint, Stroke};
@@ -94,6 +94,42 @@ impl CalibrationMap {
         Vec::new()
     }
 
+    /// The same map cut to the rows around the measured bands, where these take up less than a
+    /// third of the height; none where they take up more or lie outside.
+    ///
+    /// Whole rows of the grid are kept, so nothing is interpolated.
+    pub fn closer(&self) -> Option<Self> {
+        let first = &self.responses.first()?.field;
+        if !self.responses.iter().all(|r| r.field.is_drawable() && r.field.same_nodes(first)) {
+            return None;
+        }
+        let loops = (0..self.responses.len()).filter_map(|i| {
+            let (lo, hi) = self.band(i)?;
+            Some(region(&[Bounds { field: &self.responses[i].field, lo, hi }]))
+        });
+        let (lo, hi) = extent(loops.flatten().flatten().map(|p| p.1))?;
+        let margin = 0.3 * (hi - lo);
+        let step = first.y(1) - first.y(0);
+        let row = |y: f64| ((y - first.y_range.0) / step).clamp(0.0, (first.ny - 1) as f64);
+        let (from, to) = (row(lo - margin).floor() as usize, row(hi + margin).ceil() as usize);
+        if to < from + 2 || 3 * (to - from) > 2 * (first.ny - 1) || hi - lo > 0.34 * span(first) {
+            return None;
+        }
+        let cut = |field: &Grid| Grid {
+            ny: to - from + 1,
+            y_range: (field.y(from), field.y(to)),
+            values: field.values[from * field.nx..(to + 1) * field.nx].to_vec(),
+            ..*field
+        };
+        let responses =
+            self.responses.iter().map(|r| MappedResponse { field: cut(&r.field), ..r.clone() });
+        Some(Self {
+            title: format!("{}, closer", self.title),
+            responses: responses.collect(),
+            ..self.clone()
+        })
+    }
+
     fn band(&self, i: usize) -> Option<(f64, f64)> {
         let response = &self.responses[i];
         let mean = response.measured.filter(|m| drawable(*m))?;
@@ -149,22 +185,19 @@ impl CalibrationMap {
     fn overlap_text(&self, found: &[Overlap]) -> String {
         let measured = (0..self.responses.len()).filter(|&i| self.band(i).is_some()).count();
         let count = found[0].responses.len();
-        let range = found.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), o| {
-            (lo.min(o.y_range.0), hi.max(o.y_range.1))
-        });
-        let range = format!("{} to {}", fixed(range.0, 2), fixed(range.1, 2));
+        let range = |o: &Overlap| format!("{} to {}", fixed(o.y_range.0, 2), fixed(o.y_range.1, 2));
         if count == measured {
-            return format!("all {count} bands overlap, at {range}");
+            return format!("all {count} bands overlap, at {}", range(&found[0]));
         }
-        let names: Vec<String> = found
+        let sets: Vec<String> = found
             .iter()
             .map(|o| {
                 let names: Vec<&str> =
                     o.responses.iter().map(|&i| self.responses[i].name.as_str()).collect();
-                names.join(" + ")
+                format!("{} at {}", names.join(" + "), range(o))
             })
             .collect();
-        format!("{count} of {measured} bands overlap, at {range} ({})", names.join("; "))
+        format!("at most {count} of {measured} bands overlap: {}", sets.join("; "))
     }
 
     fn draw_contours(&self, frame: &mut Frame) {
@@ -196,32 +229,48 @@ impl CalibrationMap {
         range.map(|(lo, hi)| nice_values(lo, hi, CONTOURS)).unwrap_or_default()
     }
 
-    /// Labels of the i-th response, in its lane: the name at the measured line, values elsewhere.
-    fn draw_labels(&self, frame: &mut Frame, i: usize) {
+    /// Labels of the i-th response, in its lane: the name in its band where the band is thick
+    /// enough, values on the contours elsewhere.
+    fn draw_labels(&self, frame: &mut Frame, i: usize, overlaps: &[Overlap]) {
         let response = &self.responses[i];
         let lane = (i as f64 + 0.5) / self.responses.len() as f64;
         let (x0, x1) = response.field.x_range;
         let x = x0 + lane * (x1 - x0);
-        let mut taken: Vec<f64> = Vec::new();
-        let mut wanted = Vec::new();
-        if let Some((lo, hi)) = self.band(i) {
-            wanted.push((0.5 * (lo + hi), response.name.clone(), true));
+        let (paint, size) = (Paint::SeriesText(i), FontSize::Small);
+        let row = |frame: &Frame, level: f64| {
+            let py = frame.y.px(crossing_at(&response.field, x, level)?)?;
+            Some((py + 4.0).clamp(frame.top + 11.0, frame.bottom - 4.0))
+        };
+        let Some(px) = frame.x.px(x) else { return };
+        let mut taken: Vec<(f64, f64)> = Vec::new();
+        for overlap in overlaps {
+            let crossings = overlap.loops.iter().flat_map(|l| crossings_of(l, x, true));
+            if let Some((lo, hi)) = extent(crossings)
+                && let (Some(below), Some(above)) = (frame.y.px(lo), frame.y.px(hi))
+            {
+                taken.push((above, below + 8.0));
+            }
         }
-        if let Some((lo, hi)) = response.field.value_range() {
-            let decimals = decimals_of_step(nice_step(lo, hi, CONTOURS));
-            wanted.extend(self.levels(i).into_iter().map(|l| (l, fixed(l, decimals), false)));
+        if let Some((lo, hi)) = self.band(i)
+            && let Some(middle) = row(frame, 0.5 * (lo + hi))
+        {
+            let thickness = row(frame, lo).zip(row(frame, hi)).map(|(a, b)| (a - b).abs());
+            if thickness.is_some_and(|t| t >= 13.0) {
+                let name = &response.name;
+                frame.canvas.halo_text(px, middle, name, size, Anchor::Middle, paint, true);
+            }
+            taken.push((middle, middle));
         }
-        for (level, content, bold) in wanted {
-            let Some(y) = crossing_at(&response.field, x, level) else { continue };
-            let Some((px, py)) = frame.at(x, y) else { continue };
-            let baseline = (py + 4.0).clamp(frame.top + 11.0, frame.bottom - 4.0);
-            if taken.iter().any(|t| (t - baseline).abs() < 12.5) {
+        let Some((lo, hi)) = response.field.value_range() else { return };
+        let decimals = decimals_of_step(nice_step(lo, hi, CONTOURS));
+        for level in self.levels(i) {
+            let Some(baseline) = row(frame, level) else { continue };
+            if taken.iter().any(|(a, b)| baseline > a - 12.5 && baseline < b + 12.5) {
                 continue;
             }
-            taken.push(baseline);
-            let paint = Paint::SeriesText(i);
-            let size = FontSize::Small;
-            frame.canvas.halo_text(px, baseline, &content, size, Anchor::Middle, paint, bold);
+            taken.push((baseline, baseline));
+            let text = fixed(level, decimals);
+            frame.canvas.halo_text(px, baseline, &text, size, Anchor::Middle, paint, false);
         }
     }
 
@@ -296,7 +345,7 @@ impl Picture for CalibrationMap {
             frame.canvas.loops(&pixels, Paint::Ink, OVERLAP_OPACITY, Some(outline));
         }
         for i in 0..self.responses.len() {
-            self.draw_labels(&mut frame, i);
+            self.draw_labels(&mut frame, i, &overlaps);
         }
         frame.unclip();
         self.draw_margin(&mut frame);
@@ -305,10 +354,14 @@ impl Picture for CalibrationMap {
 }
 
 fn overlap_of(responses: Vec<usize>, loops: Vec<Chain>) -> Option<Overlap> {
-    let x = crate::number::extent(loops.iter().flatten().map(|p| p.0))?;
-    let y = crate::number::extent(loops.iter().flatten().map(|p| p.1))?;
+    let x = extent(loops.iter().flatten().map(|p| p.0))?;
+    let y = extent(loops.iter().flatten().map(|p| p.1))?;
     let area = area(&loops);
     Some(Overlap { responses, loops, x_range: x, y_range: y, area })
+}
+
+fn span(field: &Grid) -> f64 {
+    field.y_range.1 - field.y_range.0
 }
 
 fn subsets(of: &[usize], size: usize) -> Vec<Vec<usize>> {
@@ -342,15 +395,18 @@ fn interval_text(value: f64, lo: Option<f64>, hi: Option<f64>) -> String {
 
 /// The lowest y at which the field passes a level along a vertical line.
 fn crossing_at(field: &Grid, x: f64, level: f64) -> Option<f64> {
-    let mut found: Option<f64> = None;
-    for line in field.isolines(level) {
-        for pair in line.windows(2) {
-            let ((x1, y1), (x2, y2)) = (pair[0], pair[1]);
-            if (x1 <= x) != (x2 <= x) {
-                let y = y1 + (x - x1) / (x2 - x1) * (y2 - y1);
-                found = Some(found.map_or(y, |f| f.min(y)));
-            }
-        }
-    }
-    found
+    let lines = field.isolines(level);
+    lines.iter().flat_map(|line| crossings_of(line, x, false)).reduce(f64::min)
+}
+
+/// The ordinates at which a chain, closed or not, passes a vertical line.
+fn crossings_of(chain: &Chain, x: f64, closed: bool) -> Vec<f64> {
+    let last = chain.last().filter(|_| closed).into_iter();
+    let starts = last.chain(chain);
+    let ends = chain.iter().skip(usize::from(!closed));
+    starts
+        .zip(ends)
+        .filter(|((x1, _), (x2, _))| (*x1 <= x) != (*x2 <= x))
+        .map(|((x1, y1), (x2, y2))| y1 + (x - x1) / (x2 - x1) * (y2 - y1))
+        .collect()
 }

@@ -56,8 +56,10 @@ impl Picture for FitSummary {
         let right = WIDTH - 52.0;
         let bottom = top + group * self.rows.len() as f64;
         let guide = Stroke::new(Paint::Ink, 1.8);
-        let legend =
-            lay_out(&[LegendEntry::new(Key::Line(guide), "guide value: at least")], WIDTH - 24.0);
+        let legend = lay_out(
+            &[LegendEntry::new(Key::Line(guide), "upright mark: guide value (at least)")],
+            WIDTH - 24.0,
+        );
         let height = bottom + 22.0 + legend.height + 8.0;
         let description: Vec<String> = self
             .rows
@@ -114,15 +116,19 @@ impl Picture for FitSummary {
                     continue;
                 };
                 canvas.rect(left, y, px(value) - left, BAR, Paint::Series(k), 0.85);
-                let text = fixed(value, 3);
-                let x = px(value).max(left) + 5.0;
-                let paint =
-                    if at_least.is_some_and(|g| value < g) { Paint::Alarm } else { Paint::Ink };
-                canvas.halo_text(x, baseline, &text, FontSize::Small, Anchor::Start, paint, false);
+                let mut end = px(value);
                 if let Some(at_least) = at_least {
                     let x = px(at_least);
                     canvas.line(x, y - 1.0, x, y + BAR + 1.0, guide);
+                    if (end - 3.0..end + 40.0).contains(&x) {
+                        end = x;
+                    }
                 }
+                let text = fixed(value, 3);
+                let low = at_least.is_some_and(|g| value < g);
+                let paint = if low { Paint::Alarm } else { Paint::Ink };
+                let size = FontSize::Small;
+                canvas.halo_text(end + 5.0, baseline, &text, size, Anchor::Start, paint, false);
             }
         }
         canvas.line(left, top - 4.0, left, bottom, Stroke::new(Paint::Muted, 1.2));

@@ -42,7 +42,8 @@ pub struct FrictionSpeed {
     pub joint: Option<FrictionAtSpeed>,
     /// Printed ranges.
     pub printed: Vec<PrintedRange>,
-    /// Range of friction in which the surrogate was built; the axis shows all of it.
+    /// Range of friction in which the surrogate was built; the axis shows all of it where an
+    /// interval is open.
     pub range: Option<(f64, f64)>,
     /// Level of the intervals, as "95 %".
     pub level: String,
@@ -59,7 +60,11 @@ impl Picture for FrictionSpeed {
         let ends = |e: &FrictionAtSpeed| [e.value, e.lo, e.hi];
         let values = self.estimates.iter().flat_map(ends).chain(ends(&joint)).flatten();
         let values = values.chain(self.printed.iter().flat_map(|p| [p.lo, p.hi]));
-        let values = values.chain(self.range.iter().flat_map(|r| [r.0, r.1]));
+        // An open interval runs to the edge of what was looked at; else the axis shows the data.
+        let open =
+            self.estimates.iter().chain(&self.joint).any(|e| e.lo.is_none() || e.hi.is_none());
+        let looked_at = self.range.iter().filter(|_| open).flat_map(|r| [r.0, r.1]);
+        let values = values.chain(looked_at);
         let Some(y_range) = extent(values) else {
             return no_data(&self.title, "no finite friction");
         };
@@ -85,8 +90,7 @@ impl Picture for FrictionSpeed {
         if !self.printed.is_empty() {
             legend.push(LegendEntry::new(Key::Area(Paint::Neutral, 0.6), "printed range"));
         }
-        let y_range =
-            if self.range.is_some() { padded(y_range, 0.03) } else { padded(y_range, 0.1) };
+        let y_range = padded(y_range, 0.12);
         let mut frame = Frame::new(&Layout {
             title: &self.title,
             description: format!(

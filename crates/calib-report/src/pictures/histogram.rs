@@ -4,7 +4,6 @@ use super::replicates::label;
 use crate::Picture;
 use crate::number::{drawable, extent, fixed, padded};
 use crate::svg::frame::{Layout, no_data};
-use crate::svg::scale::nice_step;
 use crate::svg::{Axis, Frame, Key, LegendEntry, Paint, Stroke};
 
 /// Histogram of a response.
@@ -33,7 +32,7 @@ impl ResponseHistogram {
         let (lo, hi) = extent(values.iter().copied())?;
         let wanted = (values.len() as f64).log2().ceil() as usize + 1;
         let width = if hi - lo > 1e-12 * (lo.abs() + hi.abs()) {
-            nice_step(lo, hi, wanted)
+            round_width((hi - lo) / wanted as f64)
         } else {
             padded((lo, hi), 0.0).1 - lo
         };
@@ -92,4 +91,14 @@ impl Picture for ResponseHistogram {
         }
         frame.finish()
     }
+}
+
+/// The nearest of 1, 2, 2.5 and 5 times a power of ten.
+fn round_width(wanted: f64) -> f64 {
+    let power = 10f64.powf(wanted.log10().floor());
+    let ratio = |m: &f64| (m * power / wanted).ln().abs();
+    [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .min_by(|a, b| ratio(a).total_cmp(&ratio(b)))
+        .map_or(wanted, |m| m * power)
 }

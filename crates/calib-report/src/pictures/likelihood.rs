@@ -36,6 +36,7 @@ impl Picture for ProfileLikelihood {
         // Far from the best value the profile is steep; what matters is near the threshold.
         let top = highest.min(3.0 * threshold).max(1.3 * threshold);
         let (lo, hi) = self.interval;
+        let x_range = focused(x_range, self.points.iter().filter(|p| p.1 <= top).map(|p| p.0));
         let stroke = Stroke::new(Paint::Series(0), 2.0);
         let text = match (lo, hi) {
             (Some(lo), Some(hi)) => format!("{} to {}", fixed(lo, 3), fixed(hi, 3)),
@@ -110,6 +111,8 @@ impl Picture for PosteriorDensity {
             return no_data(&self.title, "no finite density");
         };
         let top = if highest > 0.0 { 1.08 * highest } else { 1.0 };
+        let seen = self.points.iter().filter(|p| p.1 > 1e-3 * highest).map(|p| p.0);
+        let x_range = focused(x_range, seen);
         let stroke = Stroke::new(Paint::Series(0), 2.0);
         let prior = Stroke::new(Paint::Muted, 1.4).dashed(Dash::Long);
         let mut legend = vec![LegendEntry::new(Key::Line(stroke), "posterior")];
@@ -163,4 +166,13 @@ fn clipped(points: &[(f64, f64)], lo: f64, hi: f64) -> Vec<(f64, f64)> {
     };
     let inner = points.iter().copied().filter(|p| p.0 > lo && p.0 < hi);
     at(lo).into_iter().chain(inner).chain(at(hi)).collect()
+}
+
+/// The range of what is to be seen, with room around it, where that is less than half of all.
+fn focused(all: (f64, f64), seen: impl Iterator<Item = f64>) -> (f64, f64) {
+    let Some(range) = extent(seen) else { return all };
+    let narrow = padded(range, 0.25);
+    let narrow = (narrow.0.max(all.0), narrow.1.min(all.1));
+    let close = narrow.1 > narrow.0 && narrow.1 - narrow.0 < 0.5 * (all.1 - all.0);
+    if close { narrow } else { all }
 }

@@ -87,7 +87,7 @@ impl Frame {
     pub(crate) fn new(layout: &Layout<'_>) -> Self {
         let head = 8.0 + 17.0 * title_lines(layout.title).len() as f64;
         let tick_px = FontSize::Tick.px();
-        let y_count = (layout.height / 44.0).clamp(3.0, 10.0) as usize;
+        let y_count = (layout.height / 34.0).clamp(3.0, 10.0) as usize;
         let y_ticks = layout
             .y
             .ticks

@@ -15,5 +15,5 @@ pub(crate) use scale::Spacing;
 
 /// Width of every picture, user units (CSS pixels at scale one).
 ///
-/// A phone of 390 px shows it at about 0.8 of its size, so that 12 px text stays near 10 px.
-pub(crate) const WIDTH: f64 = 440.0;
+/// A phone of 390 px shows it at 0.87 of its size, so that 11 px text stays near 10 px.
+pub(crate) const WIDTH: f64 = 420.0;
