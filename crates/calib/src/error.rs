@@ -89,6 +89,40 @@ pub enum CalibError {
         /// Why.
         source: doe::DoeError,
     },
+    /// A parameter that is not one of the simulator's.
+    #[error("`{name}` is not a parameter of the simulator; it has {known}")]
+    Unknown {
+        /// Parameter asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A nuisance whose effect on the responses needs a simulation.
+    #[error(
+        "the effect of nuisance `{name}` on a given table is not known; expected one of {known}"
+    )]
+    Nuisance {
+        /// Path.
+        name: String,
+        /// Paths that can be marginalised without a simulation.
+        known: String,
+    },
+    /// A case whose simulator is not a table.
+    #[error("case `{case}` has no table of simulated responses; expected [simulator.table]")]
+    NoTable {
+        /// Name of the case.
+        case: String,
+    },
+    /// A value that neither the case nor the namespace gives.
+    #[error(
+        "`{name}` is neither free nor set in case `{case}`; expected it in [free] or with a value"
+    )]
+    Unset {
+        /// Path.
+        name: String,
+        /// Name of the case.
+        case: String,
+    },
     /// The design of a surrogate cannot be used.
     #[error("surrogate: {0}")]
     Design(#[from] doe::DoeError),

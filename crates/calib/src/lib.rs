@@ -25,6 +25,7 @@ mod observation;
 mod outlier;
 mod problem;
 mod simulator;
+mod study;
 mod surrogate;
 
 pub use bootstrap::Bootstrap;
@@ -41,4 +42,5 @@ pub use outlier::{
 };
 pub use problem::{FreeParameter, Problem};
 pub use simulator::{Predicted, Simulator};
+pub use study::{ResponseSet, Study};
 pub use surrogate::{Basis, Surrogate};

@@ -39,6 +39,15 @@ pub struct NuisanceEstimate {
 }
 
 impl Nuisance {
+    /// Paths whose effect on responses is known without a simulation.
+    pub const PATHS: [&str; 5] = [
+        "measure.bias_lin_deg",
+        "measure.bias_mid_deg",
+        "measure.offset_x_pct",
+        "measure.offset_y_pct",
+        "measure.scale",
+    ];
+
     /// A nuisance of the namespace, if its effect on responses is known without a simulation.
     ///
     /// ```

@@ -33,6 +33,8 @@ pub struct Surrogate {
     fits: Vec<Fit>,
     correlation: [[f64; 4]; 4],
     misfit_length: f64,
+    /// Values of parameters that predictions do not take, in the order of `parameters`.
+    held: Vec<Option<f64>>,
 }
 
 impl Surrogate {
@@ -111,7 +113,30 @@ impl Surrogate {
             fits,
             correlation,
             misfit_length: (speed_range.1 - speed_range.0) / 4.0,
+            held: vec![None; parameters.len()],
         })
+    }
+
+    /// The same with one parameter held at a value: predictions take it no more.
+    ///
+    /// # Errors
+    /// [`CalibError::Unknown`] if the surfaces do not depend on it.
+    pub fn hold(mut self, parameter: &str, value: f64) -> Result<Self, CalibError> {
+        let at = self.parameters.iter().position(|p| p == parameter);
+        let at = at.ok_or_else(|| CalibError::Unknown {
+            name: parameter.to_owned(),
+            known: self.parameters.join(", "),
+        })?;
+        self.held[at] = Some(value);
+        Ok(self)
+    }
+
+    /// Point of the regression: speed, then all parameters with the held ones filled in.
+    fn point(&self, omega_rpm: f64, theta: &[f64]) -> Vec<f64> {
+        let mut free = theta.iter();
+        let values =
+            self.held.iter().map(|h| h.or_else(|| free.next().copied()).unwrap_or(f64::NAN));
+        std::iter::once(omega_rpm).chain(values).collect()
     }
 
     /// The regression of one response.
@@ -126,9 +151,7 @@ impl Surrogate {
 
     /// Expected value of one response, without its error.
     pub fn mean(&self, response: Response, omega_rpm: f64, theta: &[f64]) -> f64 {
-        let mut x = vec![omega_rpm];
-        x.extend_from_slice(theta);
-        self.fit(response).mean(&x)
+        self.fit(response).mean(&self.point(omega_rpm, theta))
     }
 }
 
@@ -152,7 +175,8 @@ fn residual_correlation(fits: &[Fit]) -> [[f64; 4]; 4] {
 
 impl Simulator for Surrogate {
     fn parameters(&self) -> Vec<String> {
-        self.parameters.clone()
+        let free = self.parameters.iter().zip(&self.held).filter(|(_, held)| held.is_none());
+        free.map(|(p, _)| p.clone()).collect()
     }
 
     fn speed_range_rpm(&self) -> (f64, f64) {
@@ -167,14 +191,8 @@ impl Simulator for Surrogate {
             });
         }
         let first = &self.fits[0];
-        let rows: Vec<Vec<f64>> = speeds_rpm
-            .iter()
-            .map(|omega| {
-                let mut x = vec![*omega];
-                x.extend_from_slice(theta);
-                first.model().row(&x)
-            })
-            .collect();
+        let rows: Vec<Vec<f64>> =
+            speeds_rpm.iter().map(|omega| first.model().row(&self.point(*omega, theta))).collect();
         let mut mean = Vec::with_capacity(4 * rows.len());
         for (row, omega) in rows.iter().zip(speeds_rpm) {
             for fitted in &self.fits {
