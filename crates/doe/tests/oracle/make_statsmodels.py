@@ -44,7 +44,10 @@ def one(x, y, points):
     cell = cell.ravel()
     full = sm.OLS(y, np.eye(cell.max() + 1)[cell]).fit()
     pure, pure_df = float(np.sum((y - full.fittedvalues) ** 2)), len(y) - int(cell.max()) - 1
-    lack, lack_df = fit.ssr - pure, fit.df_resid - pure_df
+    lack_df = fit.df_resid - pure_df
+    # Equal replicates leave only the rounding of that fit.
+    pure = pure if pure > 1e-24 * float(np.sum(y**2)) else 0.0
+    lack = fit.ssr - pure
     f_lack = (lack / lack_df) / (pure / pure_df) if pure > 0 else None
     # statsmodels' own weighted fit, with weights that run over the table.
     weights = 1.0 + 0.1 * np.arange(len(y))
