@@ -24,6 +24,7 @@ mod nuisance;
 mod observation;
 mod outlier;
 mod problem;
+mod sensitivity;
 mod simulator;
 mod study;
 mod surrogate;
@@ -41,6 +42,7 @@ pub use outlier::{
     Coincidence, MeasuredOutlier, SimulatedOutlier, measured_outliers, simulated_outliers,
 };
 pub use problem::{FreeParameter, Problem};
+pub use sensitivity::{M0, N_EFF, Sensitivity};
 pub use simulator::{Predicted, Simulator};
 pub use study::{ResponseSet, Study};
 pub use surrogate::{Basis, Surrogate};

@@ -119,6 +119,24 @@ impl MeasuredTable {
 }
 
 impl SimulatedTable {
+    /// Columns of the header that are neither `run`, `omega_rpm`, a count of frames nor a
+    /// response: what a table without a case varies.
+    pub fn factor_columns(text: &str) -> Vec<String> {
+        let header = text.lines().find(|l| !l.starts_with('#') && !l.trim().is_empty());
+        let own = |c: &str| {
+            let response = |r: &Response| r.column() == c || r.sd_column() == c;
+            ["run", "omega_rpm", "n_frames", "n_eff"].contains(&c)
+                || Response::ALL.iter().any(response)
+        };
+        header
+            .unwrap_or_default()
+            .split(',')
+            .map(str::trim)
+            .filter(|c| !own(c))
+            .map(str::to_owned)
+            .collect()
+    }
+
     /// Read a table whose factor columns are `factors` (beside `run` and `omega_rpm`).
     ///
     /// # Errors

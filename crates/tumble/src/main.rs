@@ -1,5 +1,32 @@
-//! Command line of Tumble.
+//! Command line of Tumble: parses, composes, shows progress, writes tables, pictures and reports.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
-fn main() -> anyhow::Result<()> {
-    Ok(())
+mod cli;
+mod command;
+mod input;
+mod output;
+mod report;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::{Cli, Command};
+use crate::input::is_input_fault;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match &cli.command {
+        Command::Cases(args) => command::cases::run(args),
+        Command::Fit(args) => command::fit::run(args),
+        Command::Calibrate(args) => command::calibrate::run(args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            // 2: the input is at fault, and the same call will fail again; 1: the machine is.
+            ExitCode::from(if is_input_fault(&error) { 2 } else { 1 })
+        }
+    }
 }

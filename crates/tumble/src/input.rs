@@ -1,0 +1,162 @@
+//! Cases and tables, from files or built in, each with its hash.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use calib::Study;
+use calib_report::page::InputFile;
+use rig_schema::{Case, Errata, ErrataLevel, Erratum, MeasuredTable, SimulatedTable, Simulator};
+
+/// Something that the user named and that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum InputError {
+    /// Neither a file nor a built-in case.
+    #[error("no case `{name}`: no such file, and the built-in cases are {known}")]
+    NoCase { name: String, known: String },
+    /// A file that cannot be read.
+    #[error("{path}: {source}; expected a readable text file")]
+    Unreadable { path: String, source: std::io::Error },
+    /// Cases that are given twice.
+    #[error("case `{name}` is given twice; expected each once")]
+    Twice { name: String },
+    /// An output folder that is a file.
+    #[error("{path} is not a folder; expected a folder to write to, or a path that does not exist")]
+    NotFolder { path: String },
+}
+
+/// Whether the input, not the machine, is at fault.
+pub(crate) fn is_input_fault(error: &anyhow::Error) -> bool {
+    error.chain().any(|e| {
+        e.is::<InputError>()
+            || e.is::<rig_schema::SchemaError>()
+            || e.is::<calib::CalibError>()
+            || e.is::<doe::DoeError>()
+    })
+}
+
+/// A text with the name it is known by.
+pub(crate) struct Text {
+    pub(crate) name: String,
+    pub(crate) text: String,
+}
+
+impl Text {
+    pub(crate) fn input(&self) -> InputFile {
+        InputFile {
+            name: self.name.clone(),
+            hash: blake3::hash(self.text.as_bytes()).to_hex()[..16].to_owned(),
+        }
+    }
+}
+
+/// Read a file as the user named it.
+pub(crate) fn read(path: &Path) -> Result<Text, InputError> {
+    let name = path.display().to_string();
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok(Text { name, text }),
+        Err(source) => Err(InputError::Unreadable { path: name, source }),
+    }
+}
+
+/// A case with its tables.
+pub(crate) struct Loaded {
+    pub(crate) case: Case,
+    pub(crate) measured: MeasuredTable,
+    pub(crate) simulated: SimulatedTable,
+    pub(crate) errata: Vec<Erratum>,
+    pub(crate) inputs: Vec<InputFile>,
+    pub(crate) built_in: bool,
+}
+
+/// The built-in case of this name, in any letter case.
+pub(crate) fn built_in(name: &str) -> Option<&'static str> {
+    tumble_fixtures::CASES.into_iter().find(|c| c.eq_ignore_ascii_case(name))
+}
+
+fn fixture(path: &str) -> anyhow::Result<Text> {
+    let text = tumble_fixtures::read(path).with_context(|| format!("{path} is not built in"))?;
+    Ok(Text { name: path.to_owned(), text: text.to_owned() })
+}
+
+/// Where the files that a case names are.
+enum Place {
+    BuiltIn,
+    Folder(PathBuf),
+}
+
+impl Place {
+    fn read(&self, named: &str) -> anyhow::Result<Text> {
+        match self {
+            Self::Folder(folder) => Ok(read(&folder.join(named))?),
+            Self::BuiltIn => {
+                let file = Path::new(named).file_name().and_then(|n| n.to_str()).unwrap_or(named);
+                fixture(&format!("thesis/tables/{file}"))
+            }
+        }
+    }
+}
+
+/// Load a case by file or built-in name.
+pub(crate) fn load(name: &str, level: ErrataLevel) -> anyhow::Result<Loaded> {
+    let path = Path::new(name);
+    let (text, place) = if path.is_file() {
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        (read(path)?, Place::Folder(folder))
+    } else if let Some(known) = built_in(name) {
+        let text = fixture(&format!("thesis/cases/{}.toml", known.to_lowercase()))?;
+        (text, Place::BuiltIn)
+    } else if path.extension().is_some() {
+        return Err(read(path)
+            .err()
+            .map_or_else(|| anyhow::anyhow!("{name} is not a file"), anyhow::Error::from));
+    } else {
+        let known = tumble_fixtures::CASES.join(", ");
+        return Err(InputError::NoCase { name: name.to_owned(), known }.into());
+    };
+    let case = Case::parse(&text.name, &text.text)?;
+    let measured_text = place.read(&case.data.responses)?;
+    let columns = Study::columns(&case)?;
+    let Simulator::Table(table) = &case.simulator else {
+        return Err(calib::CalibError::NoTable { case: case.rig.name.clone() }.into());
+    };
+    let simulated_text = place.read(&table.file)?;
+    let columns: Vec<&str> = columns.iter().map(|(column, _)| column.as_str()).collect();
+    let mut inputs = vec![text.input(), measured_text.input(), simulated_text.input()];
+    let mut measured = MeasuredTable::parse(&measured_text.name, &measured_text.text)?;
+    let mut simulated =
+        SimulatedTable::parse(&simulated_text.name, &simulated_text.text, &columns)?;
+    let mut applied = Vec::new();
+    let built_in = matches!(place, Place::BuiltIn);
+    if built_in {
+        let list = fixture("thesis/errata.csv")?;
+        let errata = Errata::parse(&list.name, &list.text)?;
+        inputs.push(list.input());
+        // Errata name tables by file alone.
+        measured.file = file_name(&measured.file);
+        simulated.file = file_name(&simulated.file);
+        applied.extend(errata.apply_measured(&mut measured, level)?);
+        applied.extend(errata.apply_simulated(&mut simulated, level)?);
+    }
+    Ok(Loaded { case, measured, simulated, errata: applied, inputs, built_in })
+}
+
+fn file_name(path: &str) -> String {
+    Path::new(path)
+        .file_name()
+        .map_or_else(|| path.to_owned(), |n| n.to_string_lossy().into_owned())
+}
+
+/// Friction ranges that the author of a built-in case printed: (speed, low, high).
+pub(crate) fn printed_ranges(case: &str) -> anyhow::Result<Vec<(f64, f64, f64)>> {
+    let table = fixture("thesis/tables/mu_ranges_section5_1.csv")?;
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(table.text.as_bytes());
+    let mut ranges = Vec::new();
+    for record in reader.deserialize::<(String, f64, f64, f64, String)>() {
+        let (config, omega, lo, hi, _) = record?;
+        if config == case {
+            ranges.push((omega, lo, hi));
+        }
+    }
+    Ok(ranges)
+}

@@ -1,0 +1,38 @@
+//! Files written whole or not at all.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use crate::input::InputError;
+
+/// The folder to write to: as asked for, else `tumble-out/NAME`.
+pub(crate) fn folder(asked: Option<&Path>, name: &str) -> anyhow::Result<PathBuf> {
+    let folder = asked.map_or_else(|| Path::new("tumble-out").join(name), Path::to_path_buf);
+    if folder.exists() && !folder.is_dir() {
+        return Err(InputError::NotFolder { path: folder.display().to_string() }.into());
+    }
+    std::fs::create_dir_all(&folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    Ok(folder)
+}
+
+/// Write a file to a temporary name beside it and rename it: a reader sees the old file or the
+/// new one, never a part.
+pub(crate) fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<PathBuf> {
+    let path = folder.join(name);
+    let place = || format!("cannot write {}", path.display());
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        // As any new file: readable by whom the umask lets read it.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).with_context(place)?;
+    file.write_all(text.as_bytes()).with_context(place)?;
+    file.as_file().sync_all().with_context(place)?;
+    file.persist(&path).with_context(place)?;
+    Ok(path)
+}
