@@ -1,0 +1,1 @@
+//! Claims about the pictures and pages, held against parsed documents.
