@@ -105,6 +105,14 @@ pub enum DoeError {
         /// What it is.
         value: f64,
     },
+    /// Values so large or so small that their squares overflow or vanish.
+    #[error("{what} reaches {value:e}, expected a size between 1e-140 and 1e140: change its unit")]
+    Magnitude {
+        /// Which values.
+        what: String,
+        /// The largest of them.
+        value: f64,
+    },
     /// Not enough runs to estimate the terms and a residual variance.
     #[error("{runs} runs cannot determine {terms} terms and a residual variance: at least {} runs are needed", terms + 1)]
     TooFewRuns {

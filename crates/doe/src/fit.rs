@@ -1,6 +1,7 @@
 //! Least squares of a response on a model, and what follows from the coefficients.
 
 use crate::anova::{Anova, FTest, SumOfSquares};
+use crate::design_matrix::{check_data, check_magnitude, design_columns, leading};
 use crate::distribution::{f_upper, t_quantile_two_sided, t_two_sided};
 use crate::double_double::Double;
 use crate::error::DoeError;
@@ -10,7 +11,7 @@ use crate::model::Model;
 use crate::prediction::{Prediction, check_probability};
 use crate::refinement::{Solution, solve_refined};
 use crate::run_diagnostics::RunDiagnostics;
-use crate::weighting::{Weighting, Whitener, check_length};
+use crate::weighting::{Weighting, Whitener};
 
 /// A model fitted to runs.
 ///
@@ -86,14 +87,21 @@ pub fn fit<P: AsRef<[f64]>>(
     let whitener = Whitener::new(weighting, y.len())?;
     let names = model.term_names();
     let mut precise = design_columns(model, &points)?;
+    for (column, name) in leading(&precise).iter().zip(&names) {
+        check_magnitude(|| format!("term `{name}`"), column)?;
+    }
     let condition_number = condition_number(&leading(&precise))?;
     precise.iter_mut().for_each(|column| whitener.whiten_precisely(column));
     let columns = leading(&precise);
+    for (column, name) in columns.iter().zip(&names) {
+        check_magnitude(|| format!("term `{name}` (weighted)"), column)?;
+    }
     let factored = Factored::new(&columns, &names)?;
 
     let mut precise_y: Vec<Double> = y.iter().map(|&y| Double::from(y)).collect();
     whitener.whiten_precisely(&mut precise_y);
     let whitened_y: Vec<f64> = precise_y.iter().map(|y| y.hi).collect();
+    check_magnitude(|| "response (weighted)".to_string(), &whitened_y)?;
     let ones = model.intercept().map(|i| columns[i].clone());
     let centred = centre(&whitened_y, ones.as_deref());
     if norm(&centred) <= 16.0 * f64::EPSILON * norm(&whitened_y) {
@@ -115,7 +123,7 @@ pub fn fit<P: AsRef<[f64]>>(
         let total = SumOfSquares { ss: dot(&centred, &centred), df: n - means };
         let f = regression.mean_square().map(|ms| ms / (residual.ss / residual.df as f64));
         let p = f.map(|f| f_upper(f, regression.df as f64, residual.df as f64));
-        let lack_of_fit = split_by_replicates(model, &points, y, &whitener, residual)?;
+        let lack_of_fit = split_by_replicates(&points, y, &whitener, residual)?;
         Anova { regression, residual, total, f, p, lack_of_fit }
     };
     let diagnostics =
@@ -134,51 +142,6 @@ pub fn fit<P: AsRef<[f64]>>(
         condition_number,
         diagnostics,
     })
-}
-
-fn check_data(model: &Model, points: &[Vec<f64>], y: &[f64]) -> Result<(), DoeError> {
-    if y.is_empty() {
-        return Err(DoeError::Empty { what: "runs" });
-    }
-    check_length("points of the runs", y.len(), points.len())?;
-    for (run, point) in points.iter().enumerate() {
-        model.check_point(point).map_err(|error| match error {
-            DoeError::Length { what, expected, got } => {
-                DoeError::Length { what: format!("{what} (run {run})"), expected, got }
-            }
-            DoeError::NotFinite { what, value } => {
-                DoeError::NotFinite { what: format!("{what} of run {run}"), value }
-            }
-            other => other,
-        })?;
-    }
-    if let Some(run) = y.iter().position(|v| !v.is_finite()) {
-        return Err(DoeError::NotFinite { what: format!("response of run {run}"), value: y[run] });
-    }
-    if y.len() <= model.terms().len() {
-        return Err(DoeError::TooFewRuns { runs: y.len(), terms: model.terms().len() });
-    }
-    Ok(())
-}
-
-fn design_columns(model: &Model, points: &[Vec<f64>]) -> Result<Vec<Vec<Double>>, DoeError> {
-    let mut columns = vec![Vec::with_capacity(points.len()); model.terms().len()];
-    for (run, point) in points.iter().enumerate() {
-        let row = model.precise_row(point);
-        for ((column, value), term) in columns.iter_mut().zip(row).zip(model.terms()) {
-            if !value.hi.is_finite() || !value.lo.is_finite() {
-                let what = format!("term `{term}` of run {run}");
-                return Err(DoeError::NotFinite { what, value: value.hi });
-            }
-            column.push(value);
-        }
-    }
-    Ok(columns)
-}
-
-/// The columns rounded to working precision.
-fn leading(columns: &[Vec<Double>]) -> Vec<Vec<f64>> {
-    columns.iter().map(|column| column.iter().map(|v| v.hi).collect()).collect()
 }
 
 /// A whitened response less its weighted mean, if the model has an intercept.

@@ -4,20 +4,21 @@ use crate::anova::{LackOfFit, SumOfSquares};
 use crate::distribution::f_upper;
 use crate::error::DoeError;
 use crate::least_squares::{Factored, dot};
-use crate::model::Model;
 use crate::weighting::Whitener;
 
-/// Difference below which two settings of a factor are the same, in half ranges.
+/// Difference below which two settings of a factor are the same, in ranges of its settings.
 const SAME_SETTING: f64 = 1.0e-9;
 
 /// Runs that share a point, in the order of first appearance.
-pub(crate) fn replicate_groups(model: &Model, points: &[Vec<f64>]) -> Vec<Vec<usize>> {
+fn replicate_groups(points: &[Vec<f64>]) -> Vec<Vec<usize>> {
+    let width = points.first().map_or(0, Vec::len);
+    let spread = |j: usize| {
+        let column = || points.iter().map(|p| p[j]);
+        column().fold(f64::NEG_INFINITY, f64::max) - column().fold(f64::INFINITY, f64::min)
+    };
+    let tolerance: Vec<f64> = (0..width).map(|j| SAME_SETTING * spread(j)).collect();
     let same = |a: &[f64], b: &[f64]| {
-        model
-            .factors()
-            .iter()
-            .zip(a.iter().zip(b))
-            .all(|(f, (a, b))| (a - b).abs() <= SAME_SETTING * f.half_range())
+        a.iter().zip(b).zip(&tolerance).all(|((a, b), t)| (a - b).abs() <= *t)
     };
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (run, point) in points.iter().enumerate() {
@@ -34,14 +35,16 @@ pub(crate) fn replicate_groups(model: &Model, points: &[Vec<f64>]) -> Vec<Vec<us
 /// A point is the setting of *every* factor of the model, in a term or not: leave a factor out
 /// of the model's list to pool over it.
 pub(crate) fn split_by_replicates(
-    model: &Model,
     points: &[Vec<f64>],
     y: &[f64],
     whitener: &Whitener,
     residual: SumOfSquares,
 ) -> Result<Option<LackOfFit>, DoeError> {
-    let groups = replicate_groups(model, points);
-    if groups.len() == points.len() {
+    let groups = replicate_groups(points);
+    // Points that differ by less than the tolerance can leave fewer groups than terms: such
+    // near-replicates are not replicates.
+    let replicates = points.len() - groups.len();
+    if replicates == 0 || replicates > residual.df {
         return Ok(None);
     }
     let ss = match whitener {
@@ -49,7 +52,7 @@ pub(crate) fn split_by_replicates(
         Whitener::RootWeights(root) => scatter_about_means(&groups, y, |run| root[run].powi(2)),
         Whitener::Lower(_) => scatter_about_cell_model(&groups, y, whitener)?,
     };
-    let pure_error = SumOfSquares { ss, df: points.len() - groups.len() };
+    let pure_error = SumOfSquares { ss, df: replicates };
     let lack_of_fit =
         SumOfSquares { ss: (residual.ss - ss).max(0.0), df: residual.df - pure_error.df };
     let f = match (lack_of_fit.mean_square(), pure_error.mean_square()) {

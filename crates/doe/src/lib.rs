@@ -21,7 +21,7 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | which runs | [`design::full_factorial`], [`design::latin_hypercube`], [`design::central_composite`], [`design::box_behnken`] |
+//! | which runs | [`design::full_factorial`], [`design::latin_hypercube`], [`design::central_composite`], [`design::box_behnken`], [`design::fractional_factorial`] |
 //! | which terms | [`ModelTerms`], [`Term`], [`eliminate()`] |
 //! | what are the coefficients | [`Fit::coefficient_table`], [`Fit::natural_form`] |
 //! | does a factor matter | [`Model::positions_involving`] with [`Fit::f_test`] |
@@ -37,6 +37,7 @@
 pub mod design;
 
 mod anova;
+mod design_matrix;
 mod distribution;
 mod double_double;
 mod elimination;
@@ -72,3 +73,7 @@ pub use stationary::{StationaryKind, StationaryPoint};
 pub use term::{Power, Saturation, Term};
 pub use transform::{BoxCox, Skewness, Transform};
 pub use weighting::Weighting;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -9,7 +9,7 @@
 //!
 //! finds what is missing in twice the precision and corrects it with the QR that is there:
 //! f = y - r - X b, g = -X' r, then R db = Q'f - R^-T g, dr = f - Q (Q'f - R^-T g)
-//! (Å. Björck, BIT 7, 1967, doi 10.1007/BF01939321). The columns themselves are powers of coded
+//! (Å. Björck, BIT 7, 1967). The columns themselves are powers of coded
 //! factors in twice the precision; rounding them to f64 alone would cost Filip nine digits.
 
 use crate::double_double::Double;
@@ -17,8 +17,8 @@ use crate::least_squares::{Factored, norm};
 
 /// Corrections below this share of the response end the iteration.
 const CONVERGED: f64 = 1.0e-22;
-/// Each pass gains the digits that the conditioning leaves (five for Filip, the hardest of
-/// NIST's problems): six passes are twice what it needs.
+/// Each pass gains the digits that the conditioning leaves, about six for Filip in raw powers,
+/// the hardest of NIST's problems: four passes reach [`CONVERGED`] there, two elsewhere.
 const MOST_PASSES: usize = 8;
 
 /// Coefficients and residuals (y - X b) of the least-squares problem.
@@ -68,5 +68,37 @@ pub(crate) fn solve_refined(
     Solution {
         coefficients: b.iter().map(|b| b.hi).collect(),
         residuals: r.iter().map(|r| r.hi).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_polynomial_is_recovered_under_noise_that_buries_it() {
+        // y = 1 + x + ... + x^5 plus 1e7 times a pattern made orthogonal to the columns in exact
+        // integers (differences of order six of a delta): QR alone keeps 6 digits of the ones.
+        let pattern = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+        let columns: Vec<Vec<Double>> =
+            (0..6).map(|k| (0..7).map(|x| Double::from(f64::from(x).powi(k))).collect()).collect();
+        let y: Vec<Double> = (0..7)
+            .map(|x| {
+                (0..6).map(|k| f64::from(x).powi(k)).sum::<f64>() + 1.0e7 * pattern[x as usize]
+            })
+            .map(Double::from)
+            .collect();
+        let plain: Vec<Vec<f64>> =
+            columns.iter().map(|c| c.iter().map(|v| v.hi).collect()).collect();
+        let names: Vec<String> = (0..6).map(|k| format!("x^{k}")).collect();
+        let factored = Factored::new(&plain, &names).expect("powers at seven points");
+        let solution = solve_refined(&factored, &columns, &y);
+        for b in solution.coefficients {
+            // One rounding of the last correction.
+            assert!((b - 1.0).abs() < 1.0e-14, "{b}");
+        }
+        for (e, p) in solution.residuals.iter().zip(pattern) {
+            assert!((e / (1.0e7 * p) - 1.0).abs() < 1.0e-15);
+        }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! With P = S^-1 - S^-1 X (X' S^-1 X)^-1 X' S^-1, the error of predicting run i from all the
 //! others (their correlation with it included) is d_i = (P y)_i / P_ii and has variance
-//! sigma^2 / P_ii (Dubrule 1983, doi 10.1007/BF01032955). For independent runs of weight w,
+//! sigma^2 / P_ii (O. Dubrule, Math. Geol. 15, 1983). For independent runs of weight w,
 //! P_ii = w_i (1 - h_ii) and d_i = e_i / (1 - h_ii) with the hat matrix's diagonal h_ii. Nothing
 //! is refitted.
 

@@ -46,7 +46,7 @@ impl LatinHypercube {
 /// let factors = [Factor::new("speed_rpm", 4.0, 30.0)?, Factor::new("friction", 0.1, 0.9)?];
 /// let plan = latin_hypercube(&factors, &LatinHypercube::new(12, 1))?;
 /// assert_eq!(plan.runs(), 12);
-/// // Twelve runs at random keep about 0.1 of the unit square's side apart.
+/// // Neighbours lie at least two slices apart in one factor or the other.
 /// assert!(plan.least_distance().unwrap() > 0.2);
 /// # Ok::<(), doe::DoeError>(())
 /// ```

@@ -2,11 +2,13 @@
 
 mod box_behnken;
 mod central_composite;
+mod fractional_factorial;
 mod full_factorial;
 mod latin_hypercube;
 
 pub use box_behnken::box_behnken;
 pub use central_composite::{AxialDistance, central_composite};
+pub use fractional_factorial::{Fraction, fractional_factorial};
 pub use full_factorial::full_factorial;
 pub use latin_hypercube::{LatinHypercube, latin_hypercube};
 
