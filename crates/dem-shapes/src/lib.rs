@@ -19,15 +19,15 @@
 //! ```
 //! use dem_shapes::{ClumpMass, RingTabletSpec};
 //!
-//! // A flat tablet of 8 mm diameter as ten spheres on a ring.
+//! // A flat tablet of 8 mm diameter as ten equal spheres: nine on a ring, one in the middle.
 //! let spec = RingTabletSpec {
-//!     ring_spheres: 10,
+//!     ring_spheres: 9,
 //!     ring_radius: 2.5e-3,
 //!     sphere_radius: 1.747e-3,
-//!     middle_radius: None,
+//!     middle_radius: Some(1.747e-3),
 //! };
 //! let clump = spec.build()?.clump(ClumpMass::Density(1030.0))?;
-//! assert!((clump.volume - 145.43e-9).abs() < 0.05e-9); // 145.43 mm3
+//! assert!((clump.volume - 145.464e-9).abs() < 0.001e-9); // 145.464 mm3
 //! assert!((clump.mass - 0.1498e-3).abs() < 1e-7); // 0.15 g
 //! # Ok::<(), dem_shapes::ShapeError>(())
 //! ```

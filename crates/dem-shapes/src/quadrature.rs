@@ -137,14 +137,19 @@ impl GaussLegendre {
         for k in 0..C {
             halves.value[k] = left[k] + right[k];
             halves.error[k] = (halves.value[k] - whole[k]).abs();
-            excess = excess.max(halves.error[k] / allowed[k]);
+            let ratio = halves.error[k] / allowed[k];
+            // `max` would pass over what is not a number.
+            if ratio.is_nan() {
+                return Err(Missed { at: mid, excess: ratio });
+            }
+            excess = excess.max(ratio);
         }
         if excess <= 1.0 {
             sum.add(&halves);
             return Ok(());
         }
-        // Not a number, or a jump that no bisection resolves.
-        if depth == MAX_DEPTH || excess.is_nan() {
+        // A singularity that no bisection resolves.
+        if depth == MAX_DEPTH {
             return Err(Missed { at: mid, excess });
         }
         // The share of a half is the half of the share: the panels' errors add up to `allowed`.

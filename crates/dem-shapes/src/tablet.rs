@@ -76,7 +76,7 @@ impl RingTabletSpec {
     ///     middle_radius: Some(2.3e-3),
     /// };
     /// let fitted = spec.with_union_volume(167.03e-9)?;
-    /// assert!((fitted.ring_radius - 2.417e-3).abs() < 1e-6);
+    /// assert!((fitted.ring_radius - 2.4179e-3).abs() < 1e-7);
     /// # Ok::<(), dem_shapes::ShapeError>(())
     /// ```
     pub fn with_union_volume(self, volume: f64) -> Result<Self, ShapeError> {

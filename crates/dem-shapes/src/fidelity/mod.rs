@@ -14,8 +14,8 @@ use crate::quadrature::GaussLegendre;
 use crate::solids::SolidOfRevolution;
 use crate::sphere::Sphere;
 use crate::union::{
-    Disc, SliceScratch, UnionProperties, cut, not_converged, section_breakpoints, slice_moments,
-    union_properties,
+    Disc, SliceScratch, UnionProperties, cut, interval_share, not_converged, section_breakpoints,
+    slice_moments, union_properties,
 };
 pub use profile::Roughness;
 
@@ -81,10 +81,10 @@ impl Fidelity {
     /// use dem_shapes::{Fidelity, FidelityOptions, FlatTablet, RingTabletSpec};
     ///
     /// let ring = RingTabletSpec {
-    ///     ring_spheres: 10,
+    ///     ring_spheres: 9,
     ///     ring_radius: 2.5e-3,
     ///     sphere_radius: 1.747e-3,
-    ///     middle_radius: None,
+    ///     middle_radius: Some(1.747e-3),
     /// };
     /// let solid = FlatTablet::new(4.0e-3, 2.9e-3)?;
     /// let spheres = ring.build()?.spheres();
@@ -189,12 +189,12 @@ fn joint_volume(
     let mut area = |z: f64| {
         cut(spheres, z, &mut discs);
         let radius = solid.radius_at(z);
-        discs.push(Disc { x: 0.0, y: 0.0, radius, arc_weight: 0.0 });
-        [slice_moments(&mut discs, &mut scratch).area]
+        discs.push(Disc { x: 0.0, y: 0.0, radius, sphere_z: z, sphere_radius: radius });
+        [slice_moments(&mut discs, z, &mut scratch).area]
     };
     let mut volume = 0.0;
     for pair in heights.windows(2) {
-        let share = allowed * (pair[1] - pair[0]) / extent;
+        let share = allowed * interval_share(pair, extent, heights.len());
         let part = rule.integrate(pair[0], pair[1], &[share], &mut area).map_err(not_converged)?;
         volume += part.value[0];
     }

@@ -26,8 +26,8 @@ pub struct Roughness {
     pub peak: f64,
     /// Smallest height, m.
     pub valley: f64,
-    /// Share of the surface whose rays pass through the clump without meeting it: the hole of a
-    /// ring. It is not in the other figures. If it is one, they are zero.
+    /// Share of the surface whose rays pass the clump without meeting it: the hole of a ring, the
+    /// grooves at a rim. It is not in the other figures. If it is one, they are zero.
     pub open_share: f64,
 }
 

@@ -186,19 +186,25 @@ fn moments(spheres: &[Sphere], tolerance: f64) -> Result<Integral<COMPONENTS>, S
     let mut scratch = SliceScratch::default();
     let mut section = |z: f64| {
         cut(spheres, z, &mut discs);
-        let m = slice_moments(&mut discs, &mut scratch);
+        let m = slice_moments(&mut discs, z, &mut scratch);
         let (x, y, a) = (m.x, m.y, m.area);
         [a, x, y, z * a, m.xx, m.xy, m.yy, z * x, z * y, z * z * a, m.weighted_arc]
     };
     let mut sum = Integral::ZERO;
     for pair in heights.windows(2) {
-        let share = (pair[1] - pair[0]) / extent;
+        let share = interval_share(pair, extent, heights.len());
         let part = rule
             .integrate(pair[0], pair[1], &allowed.map(|v| v * share), &mut section)
             .map_err(not_converged)?;
         sum.add(&part);
     }
     Ok(sum)
+}
+
+/// Share of the allowed error that one of the intervals may have: half of the whole goes by width,
+/// half to each alike, as in a very narrow interval rounding sets a floor to what can be met.
+pub(crate) fn interval_share(pair: &[f64], extent: f64, heights: usize) -> f64 {
+    0.5 * ((pair[1] - pair[0]) / extent + 1.0 / heights as f64)
 }
 
 pub(crate) fn not_converged(missed: Missed) -> ShapeError {
@@ -213,7 +219,13 @@ pub(crate) fn cut(spheres: &[Sphere], z: f64, discs: &mut Vec<Disc>) {
         let squared = (s.radius - up) * (s.radius + up);
         if squared > 0.0 {
             let radius = squared.sqrt();
-            discs.push(Disc { x: s.center.x, y: s.center.y, radius, arc_weight: s.radius });
+            discs.push(Disc {
+                x: s.center.x,
+                y: s.center.y,
+                radius,
+                sphere_z: s.center.z,
+                sphere_radius: s.radius,
+            });
         }
     }
 }

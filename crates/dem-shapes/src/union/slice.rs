@@ -17,13 +17,27 @@ use std::f64::consts::TAU;
 /// other: below it their crossings cannot be told from rounding, and the area at stake is as small.
 const COINCIDENCE: f64 = 1e-13;
 
-/// A disc, and the weight that its free arc counts with (radius of the sphere it is cut from).
+/// A disc, cut from a sphere by a level plane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Disc {
     pub(crate) x: f64,
     pub(crate) y: f64,
     pub(crate) radius: f64,
-    pub(crate) arc_weight: f64,
+    /// Height of the sphere's centre.
+    pub(crate) sphere_z: f64,
+    /// Radius of the sphere: the weight that free arcs count with.
+    pub(crate) sphere_radius: f64,
+}
+
+impl Disc {
+    /// Difference of the squared radii of two discs at height `z`.
+    ///
+    /// From the spheres, because for spheres that nearly coincide the discs' own radii have no
+    /// digits of it left.
+    fn squares_above(&self, other: &Self, z: f64) -> f64 {
+        (self.sphere_radius - other.sphere_radius) * (self.sphere_radius + other.sphere_radius)
+            - (other.sphere_z - self.sphere_z) * (2.0 * z - self.sphere_z - other.sphere_z)
+    }
 }
 
 /// Area and moments about the origin of the plane.
@@ -35,7 +49,7 @@ pub(crate) struct SliceMoments {
     pub(crate) xx: f64,
     pub(crate) xy: f64,
     pub(crate) yy: f64,
-    /// Sum over the free arcs of angle times weight.
+    /// Sum over the free arcs of angle times the sphere's radius.
     pub(crate) weighted_arc: f64,
 }
 
@@ -46,8 +60,12 @@ pub(crate) struct SliceScratch {
     covered: Vec<Vec<(f64, f64)>>,
 }
 
-/// Moments of the union of `discs`; their order is changed.
-pub(crate) fn slice_moments(discs: &mut [Disc], scratch: &mut SliceScratch) -> SliceMoments {
+/// Moments of the union of `discs` at height `z`; their order is changed.
+pub(crate) fn slice_moments(
+    discs: &mut [Disc],
+    z: f64,
+    scratch: &mut SliceScratch,
+) -> SliceMoments {
     keep_uncovered(discs, &mut scratch.kept);
     let kept = &scratch.kept;
     let covered = &mut scratch.covered;
@@ -57,7 +75,7 @@ pub(crate) fn slice_moments(discs: &mut [Disc], scratch: &mut SliceScratch) -> S
     covered.iter_mut().for_each(Vec::clear);
     for i in 0..kept.len() {
         for j in i + 1..kept.len() {
-            cover_pair(kept, i, j, covered);
+            cover_pair(kept, z, i, j, covered);
         }
     }
     let mut sum = SliceMoments::default();
@@ -94,7 +112,7 @@ fn keep_uncovered(discs: &mut [Disc], kept: &mut Vec<Disc>) {
 }
 
 /// Notes which angles of either circle lie in the other disc.
-fn cover_pair(kept: &[Disc], i: usize, j: usize, covered: &mut [Vec<(f64, f64)>]) {
+fn cover_pair(kept: &[Disc], z: f64, i: usize, j: usize, covered: &mut [Vec<(f64, f64)>]) {
     let (a, b) = (&kept[i], &kept[j]);
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let distance = f64::hypot(dx, dy);
@@ -103,7 +121,7 @@ fn cover_pair(kept: &[Disc], i: usize, j: usize, covered: &mut [Vec<(f64, f64)>]
     }
     // Both circles get their angles from the same two points, so that the boundary stays closed
     // however badly the crossing is conditioned.
-    let along = 0.5 * (distance + (a.radius - b.radius) * ((a.radius + b.radius) / distance));
+    let along = 0.5 * (distance + a.squares_above(b, z) / distance);
     let across = ((a.radius - along) * (a.radius + along)).max(0.0).sqrt();
     let (ux, uy) = (dx / distance, dy / distance);
     let left = (along * ux - across * uy, along * uy + across * ux);
@@ -153,7 +171,7 @@ fn add_arc(disc: &Disc, from: f64, to: f64, sum: &mut SliceMoments) {
     sum.xx += (p * p * of_1 + 2.0 * p * s * of_c + s * s * of_cc) / 4.0;
     sum.xy += (p * q * of_1 + s * (p * of_n + q * of_c) + s * s * of_cn) / 4.0;
     sum.yy += (q * q * of_1 + 2.0 * q * s * of_n + s * s * of_nn) / 4.0;
-    sum.weighted_arc += angle * disc.arc_weight;
+    sum.weighted_arc += angle * disc.sphere_radius;
 }
 
 #[cfg(test)]
@@ -163,9 +181,11 @@ mod tests {
     use super::*;
 
     fn moments(discs: &[(f64, f64, f64)]) -> SliceMoments {
-        let mut discs: Vec<Disc> =
-            discs.iter().map(|&(x, y, radius)| Disc { x, y, radius, arc_weight: 1.0 }).collect();
-        slice_moments(&mut discs, &mut SliceScratch::default())
+        let mut discs: Vec<Disc> = discs
+            .iter()
+            .map(|&(x, y, radius)| Disc { x, y, radius, sphere_z: 0.0, sphere_radius: radius })
+            .collect();
+        slice_moments(&mut discs, 0.0, &mut SliceScratch::default())
     }
 
     #[test]
@@ -181,7 +201,7 @@ mod tests {
         close(m.xx, 4.0 * area + own);
         close(m.xy, -2.0 * area);
         close(m.yy, area + own);
-        close(m.weighted_arc, TAU);
+        close(m.weighted_arc, 0.5 * TAU);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use dem_shapes::{
     FlatTablet, RingTabletSpec, ShapeError, Sphere, aspherical_clump, union_properties,
 };
 
-use crate::{coated, flat};
+use crate::{coated, flat, open_ring};
 
 const BALL: Sphere = Sphere::new(DVec3::ZERO, 1.0);
 
@@ -63,7 +63,7 @@ fn dimensions_of_solids_are_checked() {
 fn tablets_that_fall_apart_are_refused() {
     let few = RingTabletSpec { ring_spheres: 2, ..flat() };
     assert_eq!(few.build(), Err(ShapeError::TooFewRingSpheres { count: 2, minimum: 3 }));
-    let got = RingTabletSpec { ring_radius: 10e-3, ..flat() }.build();
+    let got = RingTabletSpec { ring_radius: 10e-3, ..open_ring() }.build();
     let Err(ShapeError::NotConnected { gap, .. }) = got else { panic!("{got:?}") };
     let expected = 2.0 * (10e-3 * (std::f64::consts::PI / 10.0).sin() - 1.747e-3);
     assert!((gap - expected).abs() < 1e-15);
@@ -81,7 +81,7 @@ fn tablets_that_fall_apart_are_refused() {
 #[test]
 fn volumes_out_of_reach_name_the_reach() {
     for target in [1e-9, 1e-6] {
-        let got = flat().with_union_volume(target);
+        let got = open_ring().with_union_volume(target);
         let Err(ShapeError::VolumeOutOfReach { minimum, maximum, .. }) = got else {
             panic!("{got:?}")
         };

@@ -4,11 +4,9 @@ use std::f64::consts::PI;
 
 use dem_shapes::glam::DVec3;
 use dem_shapes::solids::SolidOfRevolution;
-use dem_shapes::{
-    Ball, BiconvexTablet, Fidelity, FidelityOptions, FlatTablet, Sphere,
-};
+use dem_shapes::{Ball, BiconvexTablet, Fidelity, FidelityOptions, FlatTablet, Sphere};
 
-use crate::{close, coated, flat, moved};
+use crate::{close, coated, moved, open_ring};
 
 fn measure(spheres: &[Sphere], solid: &impl SolidOfRevolution) -> Fidelity {
     Fidelity::measure(spheres, solid, &FidelityOptions::default()).unwrap()
@@ -21,7 +19,7 @@ fn a_ball_is_faithful_to_itself() {
     close(f.volume_error_rel(), 0.0, 1e-8);
     close(f.symmetric_difference(), 0.0, 1e-6);
     close(f.protrusion, 0.0, 1e-15);
-    assert!(f.uncovered_depth <= 1e-12 && f.uncovered_depth_bound <= 4e-3);
+    assert!(f.uncovered_depth <= 1e-12 && f.uncovered_depth_bound <= 0.05, "{f:?}");
     assert!(f.inertia_error_rel.length() < 1e-8);
     assert!(f.roughness.rq < 1e-7 && f.roughness.open_share == 0.0);
 }
@@ -60,18 +58,20 @@ fn a_ball_in_a_cylinder_leaves_the_corners() {
 
 #[test]
 fn a_hole_is_open_and_counts_as_uncovered() {
-    let tablet = flat().build().unwrap();
+    let tablet = open_ring().build().unwrap();
     let solid = FlatTablet::new(4.0e-3, 2.9e-3).unwrap();
     let f = measure(&tablet.spheres(), &solid);
-    // Through the middle of the ring: the hole is bounded by ten arcs of circles of the spheres'
-    // radius about the ring. Twice, as both faces look through it.
+    // Rays on either face pass through the hole inside the ring's outline, and through the grooves
+    // where the outline falls short of the tablet's radius; both bounded by circles about the ring.
     let (ring, r, sector) = (2.5_f64, 1.747_f64, PI / 10.0);
     let n = 100_000;
     let hole: f64 = (0..n)
         .map(|k| {
             let a = sector * (f64::from(k) + 0.5) / f64::from(n);
-            let reach = ring * a.cos() - (r * r - (ring * a.sin()).powi(2)).sqrt();
-            0.5 * reach * reach * sector / f64::from(n)
+            let chord = (r * r - (ring * a.sin()).powi(2)).sqrt();
+            let (inner, outer) = (ring * a.cos() - chord, ring * a.cos() + chord);
+            let groove = (16.0 - outer * outer).max(0.0);
+            0.5 * (inner * inner + groove) * sector / f64::from(n)
         })
         .sum::<f64>()
         * 20.0;

@@ -22,14 +22,19 @@ fn coated(ring_radius: f64) -> RingTabletSpec {
     }
 }
 
-/// The flat tablet: ten spheres on a ring.
+/// The flat tablet: ten equal spheres, nine on a ring and one in the middle.
 fn flat() -> RingTabletSpec {
     RingTabletSpec {
-        ring_spheres: 10,
+        ring_spheres: 9,
         ring_radius: 2.5e-3,
         sphere_radius: 1.747e-3,
-        middle_radius: None,
+        middle_radius: Some(1.747e-3),
     }
+}
+
+/// A ring with a hole: ten spheres.
+fn open_ring() -> RingTabletSpec {
+    RingTabletSpec { ring_spheres: 10, middle_radius: None, ..flat() }
 }
 
 fn some_turn() -> DQuat {

@@ -104,8 +104,11 @@ fn surface_points_lie_on_the_surface_with_the_outward_normal() {
 #[test]
 fn signed_distance_is_that_of_the_supporting_planes() {
     for solid in all() {
-        let planes: Vec<_> =
-            (0..40_000).map(|k| solid.surface_point((f64::from(k) + 0.5) / 40_000.0, 2.399_963_2 * f64::from(k))).collect();
+        let planes: Vec<_> = (0..40_000)
+            .map(|k| {
+                solid.surface_point((f64::from(k) + 0.5) / 40_000.0, 2.399_963_2 * f64::from(k))
+            })
+            .collect();
         for k in 0..60 {
             let k = f64::from(k);
             let p = DVec3::new(2.5 * (1.7 * k).sin(), 2.5 * (2.9 * k).cos(), 2.0 * (0.8 * k).sin());

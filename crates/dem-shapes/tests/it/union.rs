@@ -6,7 +6,7 @@ use dem_shapes::glam::{DMat3, DVec3};
 use dem_shapes::{Sphere, UnionProperties, union_properties};
 use proptest::prelude::*;
 
-use crate::{close, coated, flat, moved, some_turn};
+use crate::{close, coated, flat, moved, open_ring, some_turn};
 
 const TOLERANCE: f64 = 1e-10;
 
@@ -45,11 +45,8 @@ fn two_unequal_spheres_lack_their_lens_in_any_direction() {
             close(u.volume, both - shared, 1e-10);
             // Caps that are hidden: heights h1, h2 of the lens on either side of its plane.
             let plane = (d * d + r * r - s * s) / (2.0 * d);
-            let hidden = if d < r + s {
-                2.0 * PI * (r * (r - plane) + s * (s - (d - plane)))
-            } else {
-                0.0
-            };
+            let hidden =
+                if d < r + s { 2.0 * PI * (r * (r - plane) + s * (s - (d - plane))) } else { 0.0 };
             close(u.surface_area, 4.0 * PI * (r * r + s * s) - hidden, 1e-9);
         }
     }
@@ -64,8 +61,9 @@ fn dumbbell_has_its_closed_form_inertia() {
         let end = 1.0 + a;
         let power = |n: i32| end.powi(n) / f64::from(n);
         let w1 = |shift: i32| k0 * power(1 + shift) + 2.0 * a * power(2 + shift) - power(3 + shift);
-        let w2 = k0 * k0 * power(1) + 4.0 * a * k0 * power(2)
-            + (4.0 * a * a - 2.0 * k0) * power(3) - 4.0 * a * power(4) + power(5);
+        let w2 = k0 * k0 * power(1) + 4.0 * a * k0 * power(2) + (4.0 * a * a - 2.0 * k0) * power(3)
+            - 4.0 * a * power(4)
+            + power(5);
         let (volume, axial) = (2.0 * PI * w1(0), PI * w2);
         let across = 0.5 * axial + 2.0 * PI * w1(2);
         let u = union(&[Sphere::new(-a * DVec3::X, 1.0), Sphere::new(a * DVec3::X, 1.0)]);
@@ -104,7 +102,15 @@ fn three_spheres_through_one_another_obey_inclusion_and_exclusion() {
         if k == n { 0.0 } else { common_area(top * t.sin()) * top * t.cos() }
     };
     let sum: f64 = (0..=n)
-        .map(|k| f(k) * if k == 0 || k == n { 1.0 } else if k % 2 == 1 { 4.0 } else { 2.0 })
+        .map(|k| {
+            f(k) * if k == 0 || k == n {
+                1.0
+            } else if k % 2 == 1 {
+                4.0
+            } else {
+                2.0
+            }
+        })
         .sum();
     let common = 2.0 * sum * (0.5 * PI / n as f64) / 3.0;
     let expected = 4.0 * PI - 3.0 * lens(1.0, 1.0, 1.0) + common;
@@ -113,7 +119,7 @@ fn three_spheres_through_one_another_obey_inclusion_and_exclusion() {
 
 #[test]
 fn turning_and_moving_a_tablet_turns_and_moves_its_moments() {
-    for spec in [flat(), coated(2.417e-3)] {
+    for spec in [flat(), open_ring(), coated(2.417e-3)] {
         let spheres = spec.build().unwrap().spheres();
         let here = union(&spheres);
         for k in 1..=5 {
