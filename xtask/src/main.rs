@@ -1,5 +1,38 @@
 //! House tasks: `ci`, `tidy`, `reproduce`.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
+
+mod ci;
+mod reproduce;
+mod tidy;
+
+use clap::{Parser, Subcommand};
+
+/// House tasks of the workspace.
+#[derive(Parser)]
+#[command(name = "xtask")]
+struct Xtask {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Everything that must pass: format, tidiness, lints, tests, documentation, the main job.
+    Ci,
+    /// Layering, lengths of files, heads of modules, no path of a machine.
+    Tidy,
+    /// Everything that the thesis's tables allow: docs/reproduction.md and .json.
+    Reproduce {
+        /// Print the JSON.
+        #[arg(long)]
+        json: bool,
+    },
+}
 
 fn main() -> anyhow::Result<()> {
-    anyhow::bail!("usage: cargo xtask <ci|tidy|reproduce>")
+    match Xtask::parse().task {
+        Task::Ci => ci::run(),
+        Task::Tidy => tidy::run(),
+        Task::Reproduce { json } => reproduce::run(json),
+    }
 }
