@@ -205,6 +205,12 @@ pub enum DoeError {
         /// What is allowed.
         expected: &'static str,
     },
+    /// A star of a central composite design that is no distance away.
+    #[error("axial distance is {value}, expected a positive finite number of coded units")]
+    AxialDistance {
+        /// The distance as given.
+        value: f64,
+    },
     /// A matrix iteration of the linear algebra library did not converge.
     #[error("the {what} did not converge")]
     NoConvergence {

@@ -2,11 +2,13 @@
 
 use crate::anova::{Anova, FTest, SumOfSquares};
 use crate::distribution::{f_upper, t_quantile_two_sided, t_two_sided};
+use crate::double_double::Double;
 use crate::error::DoeError;
 use crate::lack_of_fit::split_by_replicates;
 use crate::least_squares::{Factored, condition_number, dot, norm};
 use crate::model::Model;
 use crate::prediction::{Prediction, check_probability};
+use crate::refinement::{Solution, solve_refined};
 use crate::run_diagnostics::RunDiagnostics;
 use crate::weighting::{Weighting, Whitener, check_length};
 
@@ -22,12 +24,10 @@ pub struct Fit {
     pub(crate) whitener: Whitener,
     /// Columns of the whitened design matrix.
     pub(crate) columns: Vec<Vec<f64>>,
-    pub(crate) factored: Factored,
     /// Whitened column of ones, if the model has an intercept.
     pub(crate) ones: Option<Vec<f64>>,
     coefficients: Vec<f64>,
     r_inverse: Vec<Vec<f64>>,
-    pub(crate) whitened_residuals: Vec<f64>,
     residuals: Vec<f64>,
     anova: Anova,
     condition_number: f64,
@@ -85,22 +85,22 @@ pub fn fit<P: AsRef<[f64]>>(
     check_data(model, &points, y)?;
     let whitener = Whitener::new(weighting, y.len())?;
     let names = model.term_names();
-    let raw = design_columns(model, &points)?;
-    let condition_number = condition_number(&raw)?;
-    let mut columns = raw;
-    columns.iter_mut().for_each(|column| whitener.whiten(column));
+    let mut precise = design_columns(model, &points)?;
+    let condition_number = condition_number(&leading(&precise))?;
+    precise.iter_mut().for_each(|column| whitener.whiten_precisely(column));
+    let columns = leading(&precise);
     let factored = Factored::new(&columns, &names)?;
 
-    let mut whitened_y = y.to_vec();
-    whitener.whiten(&mut whitened_y);
+    let mut precise_y: Vec<Double> = y.iter().map(|&y| Double::from(y)).collect();
+    whitener.whiten_precisely(&mut precise_y);
+    let whitened_y: Vec<f64> = precise_y.iter().map(|y| y.hi).collect();
     let ones = model.intercept().map(|i| columns[i].clone());
     let centred = centre(&whitened_y, ones.as_deref());
     if norm(&centred) <= 16.0 * f64::EPSILON * norm(&whitened_y) {
         return Err(DoeError::ConstantResponse { value: y[0] });
     }
-    let (coordinates, _) = factored.project(&whitened_y);
-    let coefficients = factored.solve(&coordinates);
-    let (_, whitened_residuals) = factored.project(&centred);
+    let Solution { coefficients, residuals: whitened_residuals } =
+        solve_refined(&factored, &precise, &precise_y);
     let mut residuals = whitened_residuals.clone();
     whitener.unwhiten(&mut residuals);
 
@@ -127,10 +127,8 @@ pub fn fit<P: AsRef<[f64]>>(
         whitener,
         r_inverse: factored.r_inverse(),
         columns,
-        factored,
         ones,
         coefficients,
-        whitened_residuals,
         residuals,
         anova,
         condition_number,
@@ -163,20 +161,24 @@ fn check_data(model: &Model, points: &[Vec<f64>], y: &[f64]) -> Result<(), DoeEr
     Ok(())
 }
 
-fn design_columns(model: &Model, points: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, DoeError> {
-    let mut columns = vec![vec![0.0; points.len()]; model.terms().len()];
-    let mut row = vec![0.0; model.terms().len()];
+fn design_columns(model: &Model, points: &[Vec<f64>]) -> Result<Vec<Vec<Double>>, DoeError> {
+    let mut columns = vec![Vec::with_capacity(points.len()); model.terms().len()];
     for (run, point) in points.iter().enumerate() {
-        model.row_into(point, &mut row);
-        for ((column, &value), term) in columns.iter_mut().zip(&row).zip(model.terms()) {
-            if !value.is_finite() {
+        let row = model.precise_row(point);
+        for ((column, value), term) in columns.iter_mut().zip(row).zip(model.terms()) {
+            if !value.hi.is_finite() || !value.lo.is_finite() {
                 let what = format!("term `{term}` of run {run}");
-                return Err(DoeError::NotFinite { what, value });
+                return Err(DoeError::NotFinite { what, value: value.hi });
             }
-            column[run] = value;
+            column.push(value);
         }
     }
     Ok(columns)
+}
+
+/// The columns rounded to working precision.
+fn leading(columns: &[Vec<Double>]) -> Vec<Vec<f64>> {
+    columns.iter().map(|column| column.iter().map(|v| v.hi).collect()).collect()
 }
 
 /// A whitened response less its weighted mean, if the model has an intercept.

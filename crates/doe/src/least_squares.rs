@@ -110,6 +110,16 @@ impl Factored {
         b.iter().zip(&self.scale).map(|(b, s)| b / s).collect()
     }
 
+    /// h of R' h = g, in the unscaled columns.
+    pub(crate) fn solve_transposed(&self, g: &[f64]) -> Vec<f64> {
+        let mut h: Vec<f64> = g.iter().zip(&self.scale).map(|(g, s)| g / s).collect();
+        for i in 0..h.len() {
+            let earlier: f64 = (0..i).map(|k| self.r[k][i - k] * h[k]).sum();
+            h[i] = (h[i] - earlier) / self.r[i][0];
+        }
+        h
+    }
+
     /// Rows of R^-1 of the unscaled columns; (X'X)^-1 = R^-1 R^-T.
     pub(crate) fn r_inverse(&self) -> Vec<Vec<f64>> {
         let p = self.scale.len();

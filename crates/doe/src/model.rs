@@ -1,5 +1,6 @@
 //! Models: an ordered list of terms over an ordered list of factors.
 
+use crate::double_double::Double;
 use crate::error::DoeError;
 use crate::factor::{Factor, check_factors};
 use crate::term::Term;
@@ -117,6 +118,11 @@ impl Model {
         }
     }
 
+    /// Row of the design matrix in twice the precision; exponentials carry one rounding.
+    pub(crate) fn precise_row(&self, x: &[f64]) -> Vec<Double> {
+        self.columns.iter().map(|column| column.precise_value(&self.factors, x)).collect()
+    }
+
     /// Derivative of the row with respect to one factor, per natural unit of it.
     ///
     /// # Panics
@@ -177,6 +183,16 @@ impl Column {
             .iter()
             .fold(1.0, |product, &(j, k)| product * whole_power(factors[j].code(x[j]), k));
         self.saturations.iter().fold(monomial, |product, &(j, m0)| product * (-x[j] / m0).exp())
+    }
+
+    fn precise_value(&self, factors: &[Factor], x: &[f64]) -> Double {
+        let mut product = Double::from(1.0);
+        for &(j, k) in &self.powers {
+            let factor = &factors[j];
+            let coded = Double::difference(x[j], factor.centre()) / factor.half_range();
+            product = (0..k).fold(product, |product, _| product * coded);
+        }
+        self.saturations.iter().fold(product, |product, &(j, m0)| product * (-x[j] / m0).exp())
     }
 
     fn derivative(&self, factors: &[Factor], x: &[f64], wanted: usize) -> f64 {

@@ -6,6 +6,7 @@
 
 use faer::{Mat, Side};
 
+use crate::double_double::Double;
 use crate::error::DoeError;
 
 /// Relative asymmetry that a covariance may have from rounding.
@@ -61,6 +62,21 @@ impl Whitener {
                 for (i, row) in rows.iter().enumerate() {
                     let known: f64 = row[..i].iter().zip(&v[..i]).map(|(l, v)| l * v).sum();
                     v[i] = (v[i] - known) / row[i];
+                }
+            }
+        }
+    }
+
+    /// v <- L^-1 v in twice the precision
+    pub(crate) fn whiten_precisely(&self, v: &mut [Double]) {
+        match self {
+            Self::Identity => {}
+            Self::RootWeights(root) => v.iter_mut().zip(root).for_each(|(v, r)| *v = *v * *r),
+            Self::Lower(rows) => {
+                for (i, row) in rows.iter().enumerate() {
+                    let known = row[..i].iter().zip(&v[..i]);
+                    let rest = known.fold(v[i], |rest, (l, v)| rest - *v * *l);
+                    v[i] = rest / row[i];
                 }
             }
         }

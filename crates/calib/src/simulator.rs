@@ -1,0 +1,58 @@
+//! A simulation as calibration sees it.
+
+use crate::CalibError;
+
+/// Responses that a simulator expects, with the covariance of its own error.
+///
+/// Element `4 k + r` is response `r` (in the order of `rig_schema::Response::ALL`) at speed `k`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Predicted {
+    /// Expected responses, deg and percent of R; length 4 x speeds.
+    pub mean: Vec<f64>,
+    /// Covariance of the simulator's error, row-major, (4 x speeds) squared.
+    pub covariance: Vec<f64>,
+}
+
+impl Predicted {
+    /// Covariance between two elements.
+    pub fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.covariance[i * self.mean.len() + j]
+    }
+}
+
+/// Parameters to responses with covariance.
+///
+/// ```
+/// use calib::{CalibError, Predicted, Simulator};
+/// /// A bed whose angle is the arc tangent of its friction, known to 0.1 deg.
+/// struct Wedge;
+/// impl Simulator for Wedge {
+///     fn parameters(&self) -> Vec<String> {
+///         vec!["friction.pp".to_owned()]
+///     }
+///     fn speed_range_rpm(&self) -> (f64, f64) {
+///         (1.0, 10.0)
+///     }
+///     fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
+///         let angle = theta[0].atan().to_degrees();
+///         let mean = speeds_rpm.iter().flat_map(|_| [angle, angle, 30.0, 50.0]).collect();
+///         let n = 4 * speeds_rpm.len();
+///         let covariance = (0..n * n).map(|k| if k % (n + 1) == 0 { 0.01 } else { 0.0 }).collect();
+///         Ok(Predicted { mean, covariance })
+///     }
+/// }
+/// let angle = Wedge.predict(&[0.5], &[4.0])?.mean[0];
+/// assert!((angle - 26.565).abs() < 1e-3);
+/// # Ok::<(), CalibError>(())
+/// ```
+pub trait Simulator {
+    /// Paths of the parameters in the order of `theta`.
+    fn parameters(&self) -> Vec<String>;
+    /// Speeds within which predictions hold, rpm.
+    fn speed_range_rpm(&self) -> (f64, f64);
+    /// Responses at `theta` for each speed.
+    ///
+    /// # Errors
+    /// [`CalibError`] if the parameters do not fit or a response is not finite.
+    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError>;
+}
