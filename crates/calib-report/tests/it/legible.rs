@@ -149,27 +149,30 @@ fn labels_of_a_map_do_not_cover_each_other() {
 
 #[test]
 fn labels_of_outliers_do_not_cover_each_other() {
-    let svg = ResidualSpeed {
-        responses: vec![ResponseResiduals {
-            response: "AoR line".into(),
-            points: (0..12)
-                .map(|i| ResidualAtSpeed {
-                    omega_rpm: 10.0 + 0.1 * f64::from(i),
-                    residual_sd: 5.0,
-                    outlier: true,
-                })
-                .chain([ResidualAtSpeed { omega_rpm: 50.0, ..Default::default() }])
-                .collect(),
-        }],
-        ..Default::default()
-    }
-    .svg();
-    let document = checked(&svg);
-    let labels = boxes(&document, true);
-    for (i, (a, p)) in labels.iter().enumerate() {
-        for (b, q) in &labels[i + 1..] {
-            let apart = p[2] < q[0] || q[2] < p[0] || p[3] < q[1] || q[3] < p[1];
-            assert!(apart, "'{a}' covers '{b}'");
+    // Three rpm apart there is room for every label, a tenth of it apart for some.
+    for (step, at_least) in [(3.0, 12), (0.1, 2)] {
+        let outlier = |i: i32| ResidualAtSpeed {
+            omega_rpm: 4.0 + step * f64::from(i),
+            residual_sd: 5.0,
+            outlier: true,
+        };
+        let last = ResidualAtSpeed { omega_rpm: 50.0, ..Default::default() };
+        let svg = ResidualSpeed {
+            responses: vec![ResponseResiduals {
+                response: "AoR line".into(),
+                points: (0..12).map(outlier).chain([last]).collect(),
+            }],
+            ..Default::default()
+        }
+        .svg();
+        let document = checked(&svg);
+        let labels = boxes(&document, true);
+        assert!(labels.len() >= at_least, "{} labels were set at step {step}", labels.len());
+        for (i, (a, p)) in labels.iter().enumerate() {
+            for (b, q) in &labels[i + 1..] {
+                let apart = p[2] < q[0] || q[2] < p[0] || p[3] < q[1] || q[3] < p[1];
+                assert!(apart, "'{a}' covers '{b}'");
+            }
         }
     }
 }
