@@ -38,10 +38,10 @@
 //! # Why an SVG layer of its own
 //!
 //! The central picture fills the set of frictions for which several responses lie within their
-//! measured bands *at once*. General plotting crates (kuva 0.6 and plotters were considered) fill
-//! the levels of a single field; they intersect no fields, draw no one-sided intervals, and fix
-//! colours where a page needs to exchange them for the dark scheme. What remains (axes, ticks,
-//! lines, markers) is short enough to own.
+//! measured bands *at once*. The general crate that was considered, kuva 0.6, fills the levels of
+//! one field at a time, writes colours that a page cannot exchange for its dark scheme, and gives
+//! the picture no title and description of its own. With contours, bands and the document layer
+//! done here, what remains (axes, ticks, lines, markers) is short enough to own.
 
 pub mod calibration;
 pub mod contour;

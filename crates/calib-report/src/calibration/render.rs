@@ -151,7 +151,7 @@ impl CalibrationReport {
             section.blocks.push(Block::Paragraph(
                 "Each colour is one response: thin lines are contours of its surrogate, the \
                  translucent band is where it lies within one standard deviation of the \
-                 measurement, the thick line is the measured mean. The dark, outlined region is \
+                 measurement, the thick line is the measured mean. The strongly outlined region is \
                  where the largest number of bands overlap: there the simulation agrees with the \
                  measurement in all of these responses at once."
                     .into(),

@@ -1,11 +1,14 @@
 //! The central picture: contours of several responses with measured bands and their overlap.
 
+use super::overlap::Overlap;
 use crate::Picture;
-use crate::contour::{Bounds, Chain, Grid, area, region};
+use crate::contour::{Bounds, Chain, Grid, region};
 use crate::number::{drawable, extent, fixed};
 use crate::svg::frame::{Layout, no_data};
 use crate::svg::scale::{decimals_of_step, nice_step, nice_values};
-use crate::svg::{Anchor, Axis, Dash, FontSize, Frame, Key, LegendEntry, Marker, Paint, Stroke};
+use crate::svg::{
+    Anchor, Axis, Dash, FontSize, Frame, Key, LegendEntry, Marker, Paint, Stroke, text,
+};
 
 /// One response over the two factors, with what was measured of it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,54 +49,7 @@ pub struct CalibrationMap {
     pub printed: Option<(f64, f64)>,
 }
 
-/// The region common to most of the measured bands.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Overlap {
-    /// Numbers of the responses whose bands meet here.
-    pub responses: Vec<usize>,
-    /// Closed loops around the region, data units.
-    pub loops: Vec<Chain>,
-    /// Smallest and largest value of the horizontal factor within the region.
-    pub x_range: (f64, f64),
-    /// Smallest and largest value of the vertical factor within the region.
-    pub y_range: (f64, f64),
-    /// Area of the region in units of both factors.
-    pub area: f64,
-}
-
 impl CalibrationMap {
-    /// The regions in which the largest number of measured bands overlap, largest area first.
-    ///
-    /// Sets of bands are tried from all of them down to two; the first size at which any set has a
-    /// common region is returned, every such set with its region. With more than twelve measured
-    /// responses only the set of all is tried.
-    pub fn overlaps(&self) -> Vec<Overlap> {
-        let measured: Vec<usize> = (0..self.responses.len())
-            .filter(|&i| self.band(i).is_some() && self.responses[i].field.is_drawable())
-            .collect();
-        let smallest = if measured.len() > 12 { measured.len() } else { 2 };
-        for size in (smallest..=measured.len()).rev() {
-            let mut found: Vec<Overlap> = subsets(&measured, size)
-                .into_iter()
-                .filter_map(|set| {
-                    let bounds: Vec<Bounds<'_>> = set
-                        .iter()
-                        .filter_map(|&i| {
-                            let (lo, hi) = self.band(i)?;
-                            Some(Bounds { field: &self.responses[i].field, lo, hi })
-                        })
-                        .collect();
-                    overlap_of(set, region(&bounds))
-                })
-                .collect();
-            if !found.is_empty() {
-                found.sort_by(|a, b| b.area.total_cmp(&a.area));
-                return found;
-            }
-        }
-        Vec::new()
-    }
-
     /// The same map cut to the rows around the measured bands, where these take up less than a
     /// third of the height; none where they take up more or lie outside.
     ///
@@ -130,7 +86,8 @@ impl CalibrationMap {
         })
     }
 
-    fn band(&self, i: usize) -> Option<(f64, f64)> {
+    /// The band of a response: measured mean ∓ sd.
+    pub(super) fn band(&self, i: usize) -> Option<(f64, f64)> {
         let response = &self.responses[i];
         let mean = response.measured.filter(|m| drawable(*m))?;
         let sd = if response.sd.is_finite() { response.sd.abs() } else { 0.0 };
@@ -185,7 +142,11 @@ impl CalibrationMap {
     fn overlap_text(&self, found: &[Overlap]) -> String {
         let measured = (0..self.responses.len()).filter(|&i| self.band(i).is_some()).count();
         let count = found[0].responses.len();
-        let range = |o: &Overlap| format!("{} to {}", fixed(o.y_range.0, 2), fixed(o.y_range.1, 2));
+        let range = |o: &Overlap| {
+            let pieces =
+                o.y_ranges.iter().map(|r| format!("{} to {}", fixed(r.0, 2), fixed(r.1, 2)));
+            pieces.collect::<Vec<_>>().join(" and ")
+        };
         if count == measured {
             return format!("all {count} bands overlap, at {}", range(&found[0]));
         }
@@ -256,8 +217,9 @@ impl CalibrationMap {
         {
             let thickness = row(frame, lo).zip(row(frame, hi)).map(|(a, b)| (a - b).abs());
             if thickness.is_some_and(|t| t >= 13.0) {
-                let name = &response.name;
-                frame.canvas.halo_text(px, middle, name, size, Anchor::Middle, paint, true);
+                let room = (frame.right - frame.left) / self.responses.len() as f64 - 6.0;
+                let name = text::shorten(&response.name, 1.1 * size.px(), room);
+                frame.canvas.halo_text(px, middle, &name, size, Anchor::Middle, paint, true);
             }
             taken.push((middle, middle));
         }
@@ -353,29 +315,8 @@ impl Picture for CalibrationMap {
     }
 }
 
-fn overlap_of(responses: Vec<usize>, loops: Vec<Chain>) -> Option<Overlap> {
-    let x = extent(loops.iter().flatten().map(|p| p.0))?;
-    let y = extent(loops.iter().flatten().map(|p| p.1))?;
-    let area = area(&loops);
-    Some(Overlap { responses, loops, x_range: x, y_range: y, area })
-}
-
 fn span(field: &Grid) -> f64 {
     field.y_range.1 - field.y_range.0
-}
-
-fn subsets(of: &[usize], size: usize) -> Vec<Vec<usize>> {
-    if size == 0 {
-        return vec![Vec::new()];
-    }
-    let mut out = Vec::new();
-    for (k, first) in of.iter().enumerate() {
-        for mut rest in subsets(&of[k + 1..], size - 1) {
-            rest.insert(0, *first);
-            out.push(rest);
-        }
-    }
-    out
 }
 
 fn to_pixels(frame: &Frame, loops: &[Chain]) -> Vec<Vec<(f64, f64)>> {

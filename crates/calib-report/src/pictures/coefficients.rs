@@ -1,5 +1,6 @@
 //! Coefficient plot: scaled and centred coefficients with their intervals.
 
+use super::replicates::label;
 use crate::Picture;
 use crate::number::{extent, padded};
 use crate::svg::frame::{Layout, no_data};
@@ -63,7 +64,7 @@ impl Picture for CoefficientPlot {
                 "Scaled and centred coefficients of {count} terms with intervals."
             ),
             x: Axis::linear(
-                &format!("effect on {}, {} (centre to high level)", self.response, self.unit),
+                &format!("effect on {} (centre to high level)", label(&self.response, &self.unit)),
                 padded((lo.min(0.0), hi.max(0.0)), 0.05),
             ),
             y: Axis {

@@ -23,8 +23,8 @@ pub struct FitQuality {
 
 /// Bars of the four qualities for each response, with the guide value of each as a tick.
 ///
-/// Guides: Q2 above 0.5, validity above 0.25, reproducibility above 0.5, and R2 no more than 0.3
-/// above Q2 (drawn as the guide on R2: Q2 + 0.3 is an upper one and is left to the eye).
+/// Guides: Q2 above 0.5, validity above 0.25, reproducibility above 0.5. That R2 should exceed Q2 by
+/// less than 0.3 is left to the eye: their bars stand above each other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FitSummary {
     /// Title.

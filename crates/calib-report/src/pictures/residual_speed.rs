@@ -96,7 +96,7 @@ impl Picture for ResidualSpeed {
         for p in all().filter(|p| p.outlier && drawable(p.residual_sd)) {
             if let Some((x, y)) = frame.at(p.omega_rpm, p.residual_sd) {
                 frame.canvas.ring(x, y, 7.0, Stroke::new(Paint::Alarm, 1.8));
-                frame.occupy(x, y, 7.0, 7.0);
+                frame.occupy(x, y, 5.5, 5.5);
             }
         }
         for p in all().filter(|p| p.outlier) {

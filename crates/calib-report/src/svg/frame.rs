@@ -100,7 +100,10 @@ impl Frame {
             .fold(0.0f64, f64::max)
             .min(150.0);
         let left = 8.0 + 17.0 * y_lines.len() as f64 + widest + 9.0;
-        let right = WIDTH - 14.0 - layout.right;
+        // The last tick's label may reach beyond the plot by half its width.
+        let wide = WIDTH - 14.0 - layout.right;
+        let overhang = last_label_width(&layout.x, wide - left) / 2.0 + 3.0;
+        let right = wide.min(WIDTH - overhang);
         let top = head + 14.0;
         let bottom = top + layout.height;
 
@@ -109,7 +112,8 @@ impl Frame {
         let longest = x_ticks.iter().map(|t| text::width(&t.label, tick_px)).fold(0.0, f64::max);
         let slanted = layout.x.ticks.is_some() && longest > room - 4.0;
         let tick_height = if slanted { 10.0 + 0.66 * longest.min(130.0) + 8.0 } else { 20.0 };
-        let x_lines = text::wrap(&layout.x.label, FontSize::Label.px(), right - left + 20.0);
+        let room = (right - left + 20.0).min(2.0 * (WIDTH - 6.0) - left - right);
+        let x_lines = text::wrap(&layout.x.label, FontSize::Label.px(), room);
         let foot = tick_height + 18.0 * x_lines.len() as f64 + 4.0;
         let legend = lay_out(&layout.legend, WIDTH - 24.0);
         let legend_room = if legend.height > 0.0 { legend.height + 8.0 } else { 0.0 };
@@ -343,6 +347,15 @@ fn x_ticks(axis: &Axis, length: f64) -> Vec<Tick> {
         }
     }
     best
+}
+
+/// Width of the label at the right end of the x axis.
+fn last_label_width(axis: &Axis, length: f64) -> f64 {
+    if axis.ticks.is_some() {
+        return 0.0; // names turn where they have no room
+    }
+    let last = x_ticks(axis, length).pop();
+    last.map_or(0.0, |t| text::width(&t.label, FontSize::Tick.px()))
 }
 
 /// A picture that says why there is nothing to see.
