@@ -50,8 +50,8 @@ pub struct JointMatch {
     pub marginal: Marginal,
     /// Goodness over all configurations.
     pub goodness: Goodness,
-    /// Whether one value serves all: extra deviance of the tie against chi-square with
-    /// configurations less one.
+    /// Whether one value serves all: extra deviance of the tie, over the factor by which the fit
+    /// misses its errors anyway, against chi-square with configurations less one.
     pub tie: Goodness,
     /// The configurations.
     pub members: Vec<Tied>,
@@ -222,7 +222,7 @@ fn solve(name: &str, members: &[&JointMember<'_>]) -> Result<JointMatch, CalibEr
         hi,
         marginal: Marginal::from_log(&values, &log),
         goodness,
-        tie: Goodness::new(strain, members.len() - 1),
+        tie: Goodness::new(strain / inflation, members.len() - 1),
         members: tied,
     })
 }

@@ -186,6 +186,17 @@ impl SimulatedTable {
     }
 }
 
+/// The first line from `line` on that is no comment and not empty: the reader counts from before
+/// the comments that it skips.
+fn past_comments(text: &str, line: usize) -> usize {
+    let skipped = text
+        .lines()
+        .skip(line - 1)
+        .take_while(|l| l.starts_with('#') || l.trim().is_empty())
+        .count();
+    line + skipped
+}
+
 struct Record {
     line: usize,
     fields: Vec<String>,
@@ -221,7 +232,7 @@ impl<'t> Sheet<'t> {
                     "a line of comma-separated values",
                 )
             })?;
-            let line = record.position().map_or(1, |p| p.line() as usize);
+            let line = past_comments(text, record.position().map_or(1, |p| p.line() as usize));
             let fields: Vec<String> = record.iter().map(str::to_owned).collect();
             if sheet.columns.is_empty() {
                 sheet.header_line = line;

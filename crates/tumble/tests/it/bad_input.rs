@@ -1,0 +1,146 @@
+//! Malformed inputs, each with the text that the user sees. Exit code 2, nothing written.
+
+use std::path::Path;
+
+use tempfile::tempdir;
+
+use crate::run::{stderr, stdout, tumble};
+
+fn fixture(path: &str) -> String {
+    tumble_fixtures::read(path).expect("is built in").to_owned()
+}
+
+/// A folder with a case and its two tables.
+struct Mine {
+    case: String,
+    measured: String,
+    simulated: String,
+}
+
+impl Mine {
+    fn new() -> Self {
+        Self {
+            case: fixture("thesis/cases/az4_steel.toml").replace("../tables/", ""),
+            measured: fixture("thesis/tables/experiment_AZ4_Steel.csv"),
+            simulated: fixture("thesis/tables/edem_AZ4_Steel.csv"),
+        }
+    }
+
+    /// What the user sees when the case is calibrated.
+    fn shown(&self) -> String {
+        let folder = tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        };
+        write("case.toml", &self.case);
+        write("experiment_AZ4_Steel.csv", &self.measured);
+        write("edem_AZ4_Steel.csv", &self.simulated);
+        refused(folder.path(), &["calibrate", "case.toml", "--bootstrap", "0"])
+    }
+}
+
+/// Standard error of a call that must fail with exit code 2 and write nothing.
+fn refused(folder: &Path, args: &[&str]) -> String {
+    let output = tumble(folder, args);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(stdout(&output).is_empty());
+    assert!(!folder.join("tumble-out").exists(), "something was written");
+    // Progress lines are not the error.
+    let at = text.find("error:").expect("an error is shown");
+    text[at..].to_owned()
+}
+
+fn case(from: &str, to: &str) -> String {
+    let mut mine = Mine::new();
+    assert!(mine.case.contains(from), "{from}");
+    mine.case = mine.case.replacen(from, to, 1);
+    mine.shown()
+}
+
+fn measured(from: &str, to: &str) -> String {
+    let mut mine = Mine::new();
+    assert!(mine.measured.contains(from), "{from}");
+    mine.measured = mine.measured.replacen(from, to, 1);
+    mine.shown()
+}
+
+#[test]
+fn tables_that_cannot_be_used() {
+    let header = "omega_rpm,aor_lin_deg,aor_lin_sd";
+    insta::assert_snapshot!(
+        "01_missing_sd_column",
+        measured(header, "omega_rpm,aor_lin_deg,n_eff")
+    );
+    insta::assert_snapshot!("02_unknown_column", measured("cen_x_pct", "centre_x"));
+    insta::assert_snapshot!("03_text_for_a_number", measured("31.67", "about 32"));
+    insta::assert_snapshot!("04_decimal_comma", measured("31.67,", "\"31,67\","));
+    insta::assert_snapshot!("05_duplicate_speed", measured("\n12,", "\n8,"));
+    insta::assert_snapshot!("06_negative_sd", measured("31.67,0.16", "31.67,-0.16"));
+    insta::assert_snapshot!("07_not_a_number", measured("31.67", "NaN"));
+    insta::assert_snapshot!("08_infinite", measured("31.67", "inf"));
+    insta::assert_snapshot!("09_short_row", measured("31.67,0.16,", ""));
+    let mut mine = Mine::new();
+    mine.measured = String::new();
+    insta::assert_snapshot!("10_empty_table", mine.shown());
+    mine.measured = "omega_rpm,aor_lin_deg,aor_lin_sd\n".to_owned();
+    insta::assert_snapshot!("11_header_alone", mine.shown());
+    mine.measured = "omega_rpm,aor_lin_deg,aor_lin_sd\n40,31,0.2\n".to_owned();
+    insta::assert_snapshot!("12_every_speed_beyond_the_surrogate", mine.shown());
+    let mut mine = Mine::new();
+    mine.simulated = mine.simulated.lines().take(9).collect::<Vec<_>>().join("\n");
+    insta::assert_snapshot!("13_fewer_runs_than_terms", mine.shown());
+    let mut mine = Mine::new();
+    mine.simulated = mine.simulated.replace("mu_wall", "mu_drum");
+    insta::assert_snapshot!("14_missing_factor_column", mine.shown());
+    let mut mine = Mine::new();
+    mine.simulated = mine.simulated.replace("\n2,17,", "\n1,17,");
+    insta::assert_snapshot!("15_run_stands_twice", mine.shown());
+}
+
+#[test]
+fn cases_that_cannot_be_used() {
+    insta::assert_snapshot!("16_unknown_key", case("radius_m", "raduis_m"));
+    insta::assert_snapshot!(
+        "17_unknown_table",
+        case("[nuisance.measure.offset_x_pct]", "[nuisnace.measure.offset_x_pct]")
+    );
+    insta::assert_snapshot!(
+        "18_unknown_parameter",
+        case("friction.mantle = { range", "friction.mantel = { range")
+    );
+    insta::assert_snapshot!("19_range_upside_down", case("[0.4, 0.8]", "[0.8, 0.4]"));
+    insta::assert_snapshot!("20_value_out_of_range", case("pp = 0.5", "pp = 50.0"));
+    insta::assert_snapshot!(
+        "21_text_for_a_number",
+        case("length_m = 0.150", "length_m = \"long\"")
+    );
+    insta::assert_snapshot!("22_not_toml", case("[drum]", "[drum"));
+    insta::assert_snapshot!("23_no_such_table", case("experiment_AZ4_Steel.csv", "experiment.csv"));
+    insta::assert_snapshot!("24_prior_without_width", case("sd = 2.0", "sd = 0.0"));
+    insta::assert_snapshot!(
+        "25_material_not_listed",
+        case("mantle = \"steel\"", "mantle = \"stel\"")
+    );
+    insta::assert_snapshot!(
+        "26_free_parameter_without_column",
+        case(
+            "friction.mantle = { range = [0.4, 0.8] }",
+            "rolling.pp = { range = [0.0, 0.1] }\nfriction.mantle = { range = [0.4, 0.8] }"
+        )
+    );
+}
+
+#[test]
+fn calls_that_cannot_be_carried_out() {
+    let folder = tempdir().expect("a folder");
+    insta::assert_snapshot!("27_no_such_case", refused(folder.path(), &["calibrate", "AZ3_Steel"]));
+    insta::assert_snapshot!("28_no_such_file", refused(folder.path(), &["calibrate", "mine.toml"]));
+    insta::assert_snapshot!(
+        "29_case_given_twice",
+        refused(folder.path(), &["calibrate", "AZ1_Steel", "az1_steel"])
+    );
+    std::fs::write(folder.path().join("file"), "").expect("written");
+    let args = ["calibrate", "AZ1_Steel", "--bootstrap", "0", "--out", "file"];
+    insta::assert_snapshot!("30_output_is_a_file", refused(folder.path(), &args));
+}
