@@ -82,7 +82,7 @@ pub enum CalibError {
         needed: usize,
     },
     /// The regression failed.
-    #[error("surrogate of {response}: {source}")]
+    #[error("the surrogate of {response} cannot be fitted")]
     Regression {
         /// Column of the response.
         response: &'static str,
@@ -124,7 +124,7 @@ pub enum CalibError {
         case: String,
     },
     /// The design of a surrogate cannot be used.
-    #[error("surrogate: {0}")]
+    #[error("the runs of the surrogate cannot be used")]
     Design(#[from] doe::DoeError),
     /// Cases to be fitted together share nothing.
     #[error("no parameter is shared by all cases; expected one label `shared` that every case has")]

@@ -14,7 +14,7 @@ pub(crate) enum InputError {
     #[error("no case `{name}`: no such file, and the built-in cases are {known}")]
     NoCase { name: String, known: String },
     /// A file that cannot be read.
-    #[error("{path}: {source}; expected a readable text file")]
+    #[error("{path} cannot be read; expected a text file")]
     Unreadable { path: String, source: std::io::Error },
     /// Cases that are given twice.
     #[error("case `{name}` is given twice; expected each once")]
