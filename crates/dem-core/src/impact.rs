@@ -361,16 +361,20 @@ impl<L: ContactLaw> TwoBody<L> {
             let distance = d.length();
             (d / distance, self.i.radius + j.radius - distance)
         };
-        let depth = overlap.max(0.0);
-        let (lever_i, lever_j) = match (self.settings.lever, plane) {
-            (LeverOf::Radius, true) => (self.i.radius, 0.0),
-            (LeverOf::Radius, false) => (self.i.radius, j.radius),
-            (LeverOf::Overlap, true) => (self.i.radius - depth, 0.0),
-            (LeverOf::Overlap, false) => (self.i.radius - 0.5 * depth, j.radius - 0.5 * depth),
-        };
         let relative = self.i.velocity - j.velocity;
-        let surface =
-            relative + self.i.spin.cross(normal * lever_i) + j.spin.cross(normal * lever_j);
+        let lever = |overlap: f64| {
+            let depth = overlap.max(0.0);
+            match (self.settings.lever, plane) {
+                (LeverOf::Radius, true) => (self.i.radius, 0.0),
+                (LeverOf::Radius, false) => (self.i.radius, j.radius),
+                (LeverOf::Overlap, true) => (self.i.radius - depth, 0.0),
+                (LeverOf::Overlap, false) => (self.i.radius - 0.5 * depth, j.radius - 0.5 * depth),
+            }
+        };
+        let (lever_i, lever_j) = lever(overlap);
+        // Slip belongs to the middle of the step, and so do its levers.
+        let (arm_i, arm_j) = lever(overlap - 0.5 * self.settings.dt * relative.dot(normal));
+        let surface = relative + self.i.spin.cross(normal * arm_i) + j.spin.cross(normal * arm_j);
         let end = match self.settings.rate {
             RateAt::End => relative + acceleration * (0.5 * self.settings.dt),
             RateAt::Middle => relative,
