@@ -6,10 +6,8 @@
 //!
 //! Body i starts to the left, its partner to the right: `normal_i_to_j` is `+X` at first. The
 //! scheme is velocity Verlet. Slip and spins enter the laws at the middle of the step, where the
-//! scheme has them; the overlap rate either extrapolated to its end ([`RateAt::End`], second order)
-//! or as it is ([`RateAt::Middle`], which lags by half a step and so under-damps).
-//!
-//! Reference for the lag: the restitution of a contact of few steps, `docs/validation.md`.
+//! scheme has them; the overlap rate at the place that [`RateAt`] says. What that does to the
+//! restitution of a contact of few steps is tabulated in the validation report.
 
 use glam::DVec3;
 
@@ -105,8 +103,11 @@ pub enum RateAt {
     /// Extrapolated to the end of the step with the acceleration known: second order.
     #[default]
     End,
-    /// At the middle of the step: half a step late.
+    /// At the middle of the step, half a step late: first order, yet closer than [`RateAt::End`] in
+    /// contacts of fewer than some 20 steps.
     Middle,
+    /// At the start of the step, one step late: damps too little.
+    Start,
 }
 
 /// Where tangential forces attack.
@@ -378,6 +379,7 @@ impl<L: ContactLaw> TwoBody<L> {
         let end = match self.settings.rate {
             RateAt::End => relative + acceleration * (0.5 * self.settings.dt),
             RateAt::Middle => relative,
+            RateAt::Start => relative - acceleration * (0.5 * self.settings.dt),
         };
         Kinematics {
             normal_i_to_j: normal,
