@@ -12,8 +12,8 @@
 //! Validity: goes with the hysteretic normal law. References: O. R. Walton, R. L. Braun,
 //! *J. Rheology* 30 (1986) 949-980, doi:10.1122/1.549893; thesis eq. 25-27.
 //! Departures: `F*` scales with the load, as its authors do; where `K0` follows the normal
-//! stiffness, a falling `K0` takes the force down with it (`contact::spring`); energy and loss by
-//! `partial_slip.rs`. Exponents other than 1/3 cost a general power a step.
+//! stiffness, a falling `K0` takes the force down with it (`contact::spring`); energy, loss and
+//! passivity by `partial_slip.rs`. Exponents other than 1/3 cost a general power a step.
 
 use super::partial_slip::PartialSlipMemory;
 use crate::contact::error::{LawError, positive};
@@ -145,6 +145,7 @@ impl TangentialLaw for WaltonBraunShear {
         let bearing = if star == 0.0 { limit } else { 0.5 * room };
         let slid =
             bearing * slipping * along.abs() + shear.length() * (trial - shear).length() / stiff;
+        let shear = m.passive(before, shear, slip);
         m.shear = shear;
         m.load = load;
         m.stiffness = k;
