@@ -2,6 +2,7 @@
 
 mod outside_law;
 
+#[expect(clippy::print_stdout, reason = "shown by --nocapture: how near the worst check is")]
 fn assert_all(name: &str, checks: &[dem_validation::Check]) {
     let mut worst = 0.0f64;
     let mut failed = Vec::new();
