@@ -108,7 +108,7 @@ pub fn transport_vector(v: DVec3, normal: DVec3, twist: f64) -> DVec3 {
 /// Sine and cosine of the twist of one step, on the unit circle to rounding.
 ///
 /// With `t = tan(x/2)`, `sin = 2t/(1 + t^2)` and `cos = (1 - t^2)/(1 + t^2)` for any `t`: the series
-/// of the tangent to `x^5` only errs in the angle, by `x^7/20000` (below 1e-11 rad at 0.1 rad).
+/// of the tangent to `x^5` only errs in the angle, by `x^7/1186` (below 1e-10 rad at 0.1 rad).
 #[inline]
 fn small_sin_cos(x: f64) -> (f64, f64) {
     if x.abs() > 0.1 {
@@ -144,7 +144,7 @@ mod tests {
         for x in [-0.1f64, -1e-3, 1e-9, 0.03, 0.1, 0.11, 2.0] {
             let (sin, cos) = small_sin_cos(x);
             assert!((sin.hypot(cos) - 1.0).abs() < 1e-15);
-            assert!((sin - x.sin()).abs() < 1e-11 && (cos - x.cos()).abs() < 1e-11);
+            assert!((sin - x.sin()).abs() < 1e-10 && (cos - x.cos()).abs() < 1e-10);
         }
     }
 
