@@ -3,3 +3,6 @@
 pub use glam;
 
 pub mod contact;
+pub mod impact;
+pub mod noncontact;
+pub mod timestep;
