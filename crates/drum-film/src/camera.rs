@@ -70,7 +70,7 @@ pub struct Camera {
     pub yaw_deg: f64,
     /// Shift of the picture to the right, percent of the drum's radius.
     pub offset_x_pct: f64,
-    /// Shift of the picture downwards, percent of the drum's radius.
+    /// Shift of the picture upwards, percent of the drum's radius.
     pub offset_y_pct: f64,
     /// Factor on the magnification.
     pub scale: f64,
@@ -181,7 +181,7 @@ impl Camera {
                 (f64::from(self.width_px) - 1.0) / 2.0
                     + self.offset_x_pct / 100.0 * nominal_radius_px,
                 (f64::from(self.height_px) - 1.0) / 2.0
-                    + self.offset_y_pct / 100.0 * nominal_radius_px,
+                    - self.offset_y_pct / 100.0 * nominal_radius_px,
             ),
             width_px: self.width_px,
             height_px: self.height_px,
