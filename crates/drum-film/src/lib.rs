@@ -3,7 +3,7 @@
 //!
 //! - [`Film::bed_frame`] draws an analytic [`Bed`] that has stated responses, and says in [`Truth`] what a perfect reader measures.
 
-pub use {glam, image};
+pub use {glam, image, rig_schema};
 
 pub mod bed;
 pub mod camera;
@@ -13,10 +13,14 @@ pub mod effects;
 pub mod error;
 pub mod film;
 pub mod frames;
+#[cfg(feature = "gif")]
+pub mod gif;
 pub mod light;
+pub mod parameters;
 pub mod scene;
 pub mod spheres;
 mod stage;
+pub mod strip;
 pub mod studio;
 pub mod texture;
 pub mod truth;
@@ -29,8 +33,10 @@ pub use error::Error;
 pub use film::Film;
 pub use frames::{Frames, Snapshot};
 pub use light::Light;
+pub use parameters::parameters;
 pub use scene::{Drum, Hub, Ring, Scene};
 pub use spheres::Sphere;
+pub use strip::{contact_sheet, strip};
 pub use studio::{BedFrame, SphereFrame, Studio};
 pub use texture::Texture;
 pub use truth::{RingCircle, Truth};
