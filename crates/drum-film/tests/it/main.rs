@@ -1,3 +1,7 @@
 //! Claims about the frames, one module a subject.
 
+mod effects;
+mod independent;
+mod silhouette;
+mod spheres;
 mod truth;
