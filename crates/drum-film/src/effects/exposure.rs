@@ -37,7 +37,7 @@ impl Default for Exposure {
         Self {
             seconds: 0.0,
             speed_rpm: 0.0,
-            sub_frames: 12,
+            sub_frames: 16,
             flowing_depth: 0.15,
             flowing_speed: 4.0,
         }
@@ -65,14 +65,16 @@ impl Exposure {
         self.seconds > 0.0 && self.speed_rpm > 0.0 && self.sub_frames > 1
     }
 
-    /// Mean of a colour over the shutter's time.
-    pub(crate) fn mean(&self, color: impl Fn(f64) -> Color) -> Color {
+    /// Mean of a colour over the shutter's time, at moments shifted by `phase` (0 to 1) of a step.
+    ///
+    /// A phase of its own for each pixel turns the copies of a bead that equal moments would leave into grain.
+    pub(crate) fn mean(&self, phase: f64, color: impl Fn(f64) -> Color) -> Color {
         if !self.moves() {
             return color(0.0);
         }
         let mut sum = [0.0_f32; 3];
         for i in 0..self.sub_frames {
-            let share = (f64::from(i) + 0.5) / f64::from(self.sub_frames);
+            let share = (f64::from(i) + phase) / f64::from(self.sub_frames);
             let c = color((share - 0.5) * self.seconds);
             for k in 0..3 {
                 sum[k] += c[k];

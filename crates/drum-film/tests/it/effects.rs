@@ -14,7 +14,7 @@ fn grey(level: f32) -> Film {
 }
 
 fn empty(film: &Film, index: u64) -> RgbImage {
-    film.studio().unwrap().empty_frame(index)
+    film.studio().expect("the film is valid").empty_frame(index)
 }
 
 fn mean_and_sd(image: &RgbImage) -> (f64, f64) {

@@ -11,8 +11,9 @@ fn film(camera: Camera) -> Film {
 }
 
 fn centroid_of_coverage(film: &Film, spheres: &[Sphere]) -> (f64, [f64; 2]) {
-    let coverage = film.studio().unwrap().sphere_coverage(spheres).unwrap();
-    (coverage.area_px2(), coverage.centroid_px().unwrap())
+    let studio = film.studio().expect("the film is valid");
+    let coverage = studio.sphere_coverage(spheres).expect("the spheres lie in the drum");
+    (coverage.area_px2(), coverage.centroid_px().expect("something is covered"))
 }
 
 /// Outline of a sphere seen through a pinhole: an ellipse of half axes `b = f r / sqrt(z^2 - r^2)` across the line from the
