@@ -1,7 +1,7 @@
 //! Exposure: the shutter stays open while the bed moves, and the picture is the mean over that time.
 //!
-//! Sphere positions are averaged as frames ([`crate::Film::exposed`]). An analytic bed has a still outline, in which only its
-//! texture moves: a passive layer turns with the drum at rate w, and a flowing layer runs down the surface. Over the
+//! Sphere positions are averaged as frames ([`crate::Studio::exposed_frame`]). An analytic bed has a still outline, in which
+//! only its texture moves: a passive layer turns with the drum at rate w, and a flowing layer runs down the surface. Over the
 //! shutter's time the beads are smeared along these paths. The flowing layer's depth is a share of the
 //! radius and its speed at the surface a multiple of w R; both follow the two-layer picture of rolling beds
 //! (Rajchenbach 1990, doi:10.1103/PhysRevLett.65.2221), not a solution of the flow.
