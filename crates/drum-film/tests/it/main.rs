@@ -1,0 +1,3 @@
+//! Claims about the frames, one module a subject.
+
+mod truth;

@@ -1,0 +1,240 @@
+//! A case: a rig with measured data, free parameters, nuisances and a simulator.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::document::Document;
+use crate::plan::{SPEED, leaves};
+use crate::rig::known_keys;
+use crate::{Rig, SchemaError, namespace};
+
+/// Where the measured responses are.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Data {
+    /// Table of measured responses, relative to the case file.
+    pub responses: String,
+    /// Independent frames in the mean of one speed (the printed scatter is that of all frames);
+    /// 15 where neither the file nor the table says.
+    pub n_eff: Option<f64>,
+}
+
+/// A parameter that is fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Free {
+    /// Path.
+    pub path: String,
+    /// Lowest and highest value that is tried.
+    pub range: (f64, f64),
+    /// Label of the cases that share this value (same beads on two walls).
+    pub shared: Option<String>,
+}
+
+/// An uncertain known with a normal prior.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nuisance {
+    /// Path.
+    pub path: String,
+    /// Prior mean.
+    pub mean: f64,
+    /// Prior standard deviation.
+    pub sd: f64,
+    /// Where the prior comes from.
+    pub reason: String,
+}
+
+/// Speeds that are not used to fit.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Holdout {
+    /// Speeds named one by one, rpm.
+    pub speeds_rpm: Vec<f64>,
+    /// Every n-th measured speed, counted from the second.
+    pub every: Option<u32>,
+    /// The lowest and highest speed.
+    pub ends: bool,
+}
+
+/// Terms of the surrogate over a table of simulated runs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum TableBasis {
+    /// Full quadratic in all factors.
+    #[default]
+    Quadratic,
+    /// 1, mu, exp(-mu/m0) in the first free friction; quadratic in the others.
+    Saturating {
+        /// Friction over which the response saturates.
+        m0: f64,
+    },
+}
+
+/// A table of simulated responses that stands for the simulator.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableSimulator {
+    /// The table, relative to the case file.
+    pub file: String,
+    /// Column of the table to path of the parameter; `omega_rpm` is always the speed.
+    pub columns: BTreeMap<String, String>,
+    /// Terms of the surrogate.
+    #[serde(default)]
+    pub basis: TableBasis,
+}
+
+/// What stands for the simulator.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Simulator {
+    /// A table of given simulated responses.
+    Table(TableSimulator),
+    /// Our own simulation of the rig.
+    Rig {
+        /// Simulate a coarse stand-in of the rig.
+        #[serde(default)]
+        coarse: bool,
+    },
+}
+
+/// Measured data to be matched by a simulator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// The experiment.
+    pub rig: Rig,
+    /// The measured responses.
+    pub data: Data,
+    /// What is fitted.
+    pub free: Vec<Free>,
+    /// What is uncertain but known.
+    pub nuisance: Vec<Nuisance>,
+    /// What is kept aside.
+    pub holdout: Holdout,
+    /// What predicts responses.
+    pub simulator: Simulator,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FreeSpec {
+    range: (f64, f64),
+    shared: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NuisanceSpec {
+    #[serde(default)]
+    mean: f64,
+    sd: f64,
+    reason: String,
+}
+
+impl Case {
+    /// Read a case file; `file` is its name for errors.
+    ///
+    /// # Errors
+    /// [`SchemaError::Invalid`] with file, line and the nearest known key.
+    pub fn parse(file: &str, text: &str) -> Result<Self, SchemaError> {
+        let mut doc = Document::parse(file, text)?;
+        let data: toml::Spanned<Data> = doc.require("data", "[data] responses = \"table.csv\"")?;
+        if data.get_ref().n_eff.is_some_and(|n| !(n >= 1.0 && n.is_finite())) {
+            return Err(doc.error(data.span(), "n_eff is not a number of frames", "1 or more"));
+        }
+        let simulator: toml::Spanned<Simulator> = doc.require(
+            "simulator",
+            "[simulator] table = { file = ..., columns = ... } or rig = {}",
+        )?;
+        check_simulator(&doc, &simulator)?;
+        let free = take_free(&mut doc)?;
+        let nuisance = take_nuisance(&mut doc)?;
+        let holdout = doc.take("holdout")?.unwrap_or_default();
+        let rig = Rig::take(&mut doc)?;
+        doc.finish(&known_keys(&["data", "free", "nuisance", "holdout", "simulator"]))?;
+        Ok(Self {
+            rig,
+            data: data.into_inner(),
+            free,
+            nuisance,
+            holdout,
+            simulator: simulator.into_inner(),
+        })
+    }
+
+    /// Whether a measured speed is kept aside; `index` counts the measured speeds from 0.
+    pub fn holds_out(&self, index: usize, count: usize, omega_rpm: f64) -> bool {
+        let every =
+            self.holdout.every.is_some_and(|n| n > 0 && index % n as usize == 1 % n as usize);
+        let end = self.holdout.ends && (index == 0 || index + 1 == count);
+        every || end || self.holdout.speeds_rpm.iter().any(|s| (s - omega_rpm).abs() < 1e-9)
+    }
+}
+
+fn check_simulator(
+    doc: &Document<'_>,
+    simulator: &toml::Spanned<Simulator>,
+) -> Result<(), SchemaError> {
+    let Simulator::Table(table) = simulator.get_ref() else { return Ok(()) };
+    for path in table.columns.values() {
+        if namespace::find(path).is_none() {
+            return Err(doc.error(
+                simulator.span(),
+                format!("unknown parameter `{path}`"),
+                format!("nearest known parameter: `{}`", namespace::nearest(path)),
+            ));
+        }
+    }
+    if let TableBasis::Saturating { m0 } = table.basis
+        && !(m0 > 0.0 && m0.is_finite())
+    {
+        return Err(doc.error(simulator.span(), "m0 is not a friction", "a number above 0"));
+    }
+    Ok(())
+}
+
+fn take_free(doc: &mut Document<'_>) -> Result<Vec<Free>, SchemaError> {
+    let hint = "[free] friction.pp = { range = [0.1, 0.9] }";
+    let Some(entry) = doc.take_raw("free") else {
+        return Err(doc.error(0..0, "`free` is missing", hint));
+    };
+    let mut free = Vec::new();
+    for leaf in leaves(doc, entry)? {
+        let span = leaf.value.span();
+        let spec: FreeSpec = doc.convert(leaf.value)?;
+        let (low, high) = spec.range;
+        let accepted = leaf.key != SPEED
+            && namespace::find(&leaf.key).is_some_and(|p| p.accepts(low) && p.accepts(high));
+        if !(low < high && accepted) {
+            return Err(doc.error(
+                span,
+                format!("`{}` cannot be fitted in this range", leaf.key),
+                "range = [low, high], both within the parameter's own range",
+            ));
+        }
+        free.push(Free { path: leaf.key, range: spec.range, shared: spec.shared });
+    }
+    Ok(free)
+}
+
+fn take_nuisance(doc: &mut Document<'_>) -> Result<Vec<Nuisance>, SchemaError> {
+    let Some(entry) = doc.take_raw("nuisance") else { return Ok(Vec::new()) };
+    let mut nuisance = Vec::new();
+    for leaf in leaves(doc, entry)? {
+        let span = leaf.value.span();
+        let spec: NuisanceSpec = doc.convert(leaf.value)?;
+        if !(spec.sd > 0.0 && spec.sd.is_finite() && spec.mean.is_finite()) {
+            return Err(doc.error(
+                span,
+                format!("the prior of `{}` is no normal distribution", leaf.key),
+                "a finite mean and sd above 0",
+            ));
+        }
+        nuisance.push(Nuisance {
+            path: leaf.key,
+            mean: spec.mean,
+            sd: spec.sd,
+            reason: spec.reason,
+        });
+    }
+    Ok(nuisance)
+}

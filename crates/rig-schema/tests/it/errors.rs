@@ -1,0 +1,79 @@
+use rig_schema::{Case, MeasuredTable, Plan, Rig, SchemaError};
+
+const RIG: &str = r#"
+name = "beads"
+drum = { radius_m = 0.125, length_m = 0.15, mantle = "steel", end_plates = "steel" }
+particles = { material = "glass", shape = { sphere = { diameter_m = 0.006 } } }
+fill.count = 7807
+friction = { pp = 0.5, mantle = 0.6 }
+run = { speeds_rpm = [17.0] }
+[materials]
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 2.52e7 }
+steel = { density_kg_m3 = 8000.0, poisson_ratio = 0.265, shear_modulus_pa = 8e10 }
+"#;
+
+fn message(result: Result<impl Sized, SchemaError>) -> String {
+    match result {
+        Ok(_) => panic!("was accepted"),
+        Err(e) => e.to_string(),
+    }
+}
+
+#[test]
+fn an_unknown_key_shows_its_line_and_the_nearest_known_one() {
+    let text = RIG.replace("name =", "nmae =");
+    let shown = message(Rig::parse("drum.toml", &text));
+    assert!(shown.contains("`name` is missing"), "{shown}");
+    let text = format!("frction.pp = 0.3\n{RIG}");
+    let shown = message(Rig::parse("drum.toml", &text));
+    assert!(shown.contains("drum.toml:1") && shown.contains("`friction`"), "{shown}");
+    let shown = message(Rig::parse("drum.toml", &RIG.replace("mantle = 0.6", "mantel = 0.6")));
+    assert!(shown.contains("friction.mantle") && shown.contains(":6"), "{shown}");
+    let shown = message(Rig::parse("drum.toml", &RIG.replace("radius_m", "radius")));
+    assert!(shown.contains("radius_m") && shown.contains(":3"), "{shown}");
+}
+
+#[test]
+fn a_value_out_of_range_names_the_range() {
+    let shown = message(Rig::parse("drum.toml", &RIG.replace("pp = 0.5", "pp = 5.0")));
+    assert!(shown.contains("expected 0 to 2"), "{shown}");
+    let shown = message(Rig::parse("drum.toml", &RIG.replace("0.125", "-0.125")));
+    assert!(shown.contains("no volume"), "{shown}");
+    let shown =
+        message(Rig::parse("drum.toml", &RIG.replace("mantle = \"steel\"", "mantle = \"stel\"")));
+    assert!(shown.contains("nearest: `steel`"), "{shown}");
+}
+
+#[test]
+fn a_plan_and_a_case_refuse_what_they_do_not_know() {
+    let plan = format!("factors.friction.pp = [0.1, 0.9]\ndesign.full_factorial = {{}}\n{RIG}");
+    assert_eq!(Plan::parse("plan.toml", &plan).expect("reads").factors[0].levels, [0.1, 0.9]);
+    let shown =
+        message(Plan::parse("plan.toml", &plan.replace("friction.pp = [0.1", "friction.p = [0.1")));
+    assert!(shown.contains("nearest known parameter"), "{shown}");
+    let case = format!(
+        "data.responses = \"m.csv\"\nfree.friction.pp = {{ range = [0.1, 0.9] }}\nsimulator.rig = {{}}\n{RIG}"
+    );
+    assert!(Case::parse("case.toml", &case).is_ok());
+    let shown = message(Case::parse("case.toml", &case.replace("[0.1, 0.9]", "[0.9, 0.1]")));
+    assert!(shown.contains("cannot be fitted"), "{shown}");
+}
+
+#[test]
+fn a_bad_cell_of_a_table_shows_file_line_and_expectation() {
+    let header = "omega_rpm,aor_lin_deg,aor_lin_sd\n";
+    for (row, needle) in [
+        ("4,abc,0.1\n", "not a number"),
+        ("4,NaN,0.1\n", "not finite"),
+        ("4,30,-0.1\n", "negative"),
+        ("4,30,0.1\n4,31,0.1\n", "stands twice"),
+        ("4,30\n", "2 values in a row"),
+        ("0,30,1\n", "not above 0"),
+        ("", "no rows"),
+    ] {
+        let shown = message(MeasuredTable::parse("m.csv", &format!("{header}{row}")));
+        assert!(shown.contains(needle) && shown.contains("m.csv"), "{shown}");
+    }
+    let shown = message(MeasuredTable::parse("m.csv", "omega_rpm,aor_ln_deg,aor_lin_sd\n4,1,1\n"));
+    assert!(shown.contains("aor_lin_deg"), "{shown}");
+}

@@ -1,0 +1,4 @@
+//! The schema against the published cases and tables.
+
+mod cases;
+mod errors;
