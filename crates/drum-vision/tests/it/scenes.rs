@@ -1,0 +1,75 @@
+//! Synthetic frames over the whole range of beds, with known silhouettes; used by tests and by the accuracy example.
+
+use drum_film::{Bed, Camera, Film, RaisedSide, Truth};
+use drum_vision::{Context, Frame, VisionConfig, VisionError, measure_frame};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// One frame with what a perfect reader would measure.
+pub struct Case {
+    pub frame: Frame,
+    pub truth: Truth,
+    pub bed: Bed,
+}
+
+/// Draws bed number `index` of the range: 10 to 55 deg, fill 0.1 to 0.6, S-shape 0 to 8 deg.
+///
+/// Beds whose surface would leave the drum are drawn again.
+pub fn draw_bed(rng: &mut ChaCha8Rng) -> Bed {
+    loop {
+        let bed = Bed {
+            fill: rng.random_range(0.1..0.6),
+            aor_lin_deg: rng.random_range(10.0..55.0),
+            s_shape_deg: rng.random_range(0.0..8.0),
+            curvature: rng.random_range(-0.15..0.15),
+            raised: if rng.random_bool(0.5) { RaisedSide::Left } else { RaisedSide::Right },
+            ..Bed::default()
+        };
+        if bed.shape().is_ok() {
+            return bed;
+        }
+    }
+}
+
+pub fn to_frame(image: drum_film::image::RgbImage) -> Frame {
+    let (w, h) = image.dimensions();
+    Frame::from_rgb(w as usize, h as usize, image.into_raw()).unwrap()
+}
+
+/// A clean frame.
+pub fn clean(index: u64, size: (u32, u32)) -> Case {
+    let mut rng = ChaCha8Rng::seed_from_u64(index);
+    rng.set_stream(1);
+    let bed = draw_bed(&mut rng);
+    let mut film = Film { camera: Camera::default().with_size(size.0, size.1), ..Film::default() };
+    film.camera.offset_x_pct = rng.random_range(-3.0..3.0);
+    film.camera.offset_y_pct = rng.random_range(-3.0..3.0);
+    film.texture.grain_radius_m = rng.random_range(0.0015..0.004);
+    let made = film.bed_frame(&bed, index).unwrap();
+    Case { frame: to_frame(made.image), truth: made.truth, bed }
+}
+
+/// Errors and standard uncertainties of the four responses of one frame.
+pub struct Outcome {
+    pub error: [f64; 4],
+    pub sd: [f64; 4],
+    pub circle: [f64; 3],
+}
+
+pub fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, VisionError> {
+    let m = measure_frame(&case.frame, config, Context::default())?;
+    let t = &case.truth;
+    let truth = [t.aor_lin_deg, t.aor_mid_deg, t.cen_x_pct, t.cen_y_pct];
+    let four = m.four();
+    let c = m.drum.fit.circle;
+    Ok(Outcome {
+        error: std::array::from_fn(|k| four[k].value - truth[k]),
+        sd: std::array::from_fn(|k| four[k].sd),
+        circle: [c.x_px - t.center_x_px, c.y_px - t.center_y_px, c.radius_px - t.radius_px],
+    })
+}
+
+/// Quantile by linear interpolation.
+pub fn quantile(values: &[f64], p: f64) -> f64 {
+    drum_vision::statistics::quantile(values, p).unwrap_or(f64::NAN)
+}
