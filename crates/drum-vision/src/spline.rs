@@ -81,6 +81,79 @@ impl Spline {
 /// Smooths points sorted by `x` with `pieces` cubic pieces; `None` when they are too few or all at one place.
 #[must_use]
 pub fn smooth(x: &[f64], y: &[f64], pieces: usize) -> Option<Smoothed> {
+    smooth_weighted(x, y, &vec![true; x.len()], pieces)
+}
+
+/// The same with some points left out from the start (`accepted` false): they get weight 0.
+#[must_use]
+pub fn smooth_weighted(
+    x: &[f64],
+    y: &[f64],
+    accepted: &[bool],
+    pieces: usize,
+) -> Option<Smoothed> {
+    let (n, blank, rows) = basis_rows(x, y, pieces)?;
+    let size = blank.coefficients.len();
+    let mut weights: Vec<f64> = accepted.iter().map(|&a| f64::from(u8::from(a))).collect();
+    if weights.iter().sum::<f64>() < 8.0 {
+        return None;
+    }
+    let mut residuals = vec![0.0; n];
+    let mut spline = blank;
+    let mut scatter = 0.0;
+    let mut lambda = None;
+    for round in 0..8 {
+        // The smoothness is chosen twice: at first, and when outliers have lost their weight.
+        if round == 0 || round == 4 {
+            lambda = choose_lambda(&rows, y, &weights, size);
+        }
+        spline.coefficients = fit(&rows, y, &weights, size, lambda?)?.0;
+        scatter = fill_residuals(&rows, y, &spline, &weights, &mut residuals);
+        let cut = 4.685 * scatter.max(1e-3 * spline.piece).max(1e-9);
+        for ((w, r), &a) in weights.iter_mut().zip(&residuals).zip(accepted) {
+            let t = r / cut;
+            *w = if a && t.abs() < 1.0 { (1.0 - t * t).powi(2) } else { 0.0 };
+        }
+    }
+    Some(Smoothed { spline, weights, residuals, scatter })
+}
+
+/// Which points lie near a stiff curve of few pieces that minimises the sum of moduli of the residuals.
+///
+/// A bump that covers up to a quarter of the range does not pull such a curve. Points farther from it than
+/// 5 robust standard deviations and than `least` are left out; where that would be more than `share` of them,
+/// the data have no such curve and every point is kept.
+#[must_use]
+pub fn near_stiff_curve(x: &[f64], y: &[f64], pieces: usize, least: f64, share: f64) -> Vec<bool> {
+    let keep_all = vec![true; x.len()];
+    let Some((n, mut spline, rows)) = basis_rows(x, y, pieces) else {
+        return keep_all;
+    };
+    let size = spline.coefficients.len();
+    let mut weights = vec![1.0; n];
+    let mut residuals = vec![0.0; n];
+    let mut scatter = 0.0;
+    for _ in 0..40 {
+        let stiffness = 1e-4 * weights.iter().sum::<f64>() / size as f64;
+        let Some((c, _)) = fit(&rows, y, &weights, size, stiffness) else {
+            return keep_all;
+        };
+        spline.coefficients = c;
+        scatter = fill_residuals(&rows, y, &spline, &[], &mut residuals);
+        let floor = (0.2 * scatter).max(1e-3);
+        for (w, r) in weights.iter_mut().zip(&residuals) {
+            *w = 1.0 / r.abs().max(floor);
+        }
+    }
+    let limit = (5.0 * scatter).max(least);
+    let near: Vec<bool> = residuals.iter().map(|r| r.abs() <= limit).collect();
+    let dropped = near.iter().filter(|&&k| !k).count();
+    if dropped as f64 > share * n as f64 { keep_all } else { near }
+}
+
+type Rows = Vec<(usize, [f64; 4])>;
+
+fn basis_rows(x: &[f64], y: &[f64], pieces: usize) -> Option<(usize, Spline, Rows)> {
     let n = x.len();
     if n < 8 || n != y.len() {
         return None;
@@ -92,39 +165,25 @@ pub fn smooth(x: &[f64], y: &[f64], pieces: usize) -> Option<Smoothed> {
     let pieces = pieces.clamp(4, (n / 3).max(4));
     let piece = (to - from) / pieces as f64;
     let blank = Spline { from, piece, coefficients: vec![0.0; pieces + 3] };
-    let rows: Vec<(usize, [f64; 4])> = x.iter().map(|&v| blank.locate(v)).collect();
-    let mut weights = vec![1.0; n];
-    let mut residuals = vec![0.0; n];
-    let mut spline = blank;
-    let mut scatter = 0.0;
-    let mut lambda = None;
-    for round in 0..8 {
-        // The smoothness is chosen twice: at first, and when outliers have lost their weight.
-        if round == 0 || round == 4 {
-            lambda = choose_lambda(&rows, y, &weights, pieces + 3);
-        }
-        let (c, _) = fit(&rows, y, &weights, pieces + 3, lambda?)?;
-        spline.coefficients = c;
-        for k in 0..n {
-            let (j, basis) = &rows[k];
-            residuals[k] =
-                y[k] - (0..4).map(|d| basis[d] * spline.coefficients[j + d]).sum::<f64>();
-        }
-        let held: Vec<f64> =
-            residuals.iter().zip(&weights).filter(|(_, w)| **w > 0.0).map(|(r, _)| *r).collect();
-        scatter = 1.4826
-            * crate::drum::circle_fit::median_modulus(if held.len() > n / 2 {
-                &held
-            } else {
-                &residuals
-            });
-        let cut = 4.685 * scatter.max(1e-3 * piece).max(1e-9);
-        for (w, r) in weights.iter_mut().zip(&residuals) {
-            let t = r / cut;
-            *w = if t.abs() < 1.0 { (1.0 - t * t).powi(2) } else { 0.0 };
-        }
+    let rows = x.iter().map(|&v| blank.locate(v)).collect();
+    Some((n, blank, rows))
+}
+
+/// Residuals of all points; returns the robust scatter of those with weight (of all when no weights are given).
+fn fill_residuals(
+    rows: &[(usize, [f64; 4])],
+    y: &[f64],
+    spline: &Spline,
+    weights: &[f64],
+    residuals: &mut [f64],
+) -> f64 {
+    for ((r, (k, basis)), v) in residuals.iter_mut().zip(rows).zip(y) {
+        *r = v - (0..4).map(|d| basis[d] * spline.coefficients[k + d]).sum::<f64>();
     }
-    Some(Smoothed { spline, weights, residuals, scatter })
+    let held: Vec<f64> =
+        residuals.iter().zip(weights).filter(|(_, w)| **w > 0.0).map(|(r, _)| *r).collect();
+    let used = if held.len() >= 8 { &held } else { &*residuals };
+    1.4826 * crate::drum::circle_fit::median_modulus(used)
 }
 
 type Fit = (Vec<f64>, BandedFactor);

@@ -18,15 +18,23 @@ fn main() {
     let size = (width, width * 2 / 3);
     let config = drum_vision::VisionConfig::default();
     let verbose = std::env::var_os("VERBOSE").is_some();
-    let all: Vec<_> = (0..n)
-        .into_par_iter()
-        .map(|k| {
-            let case = scenes::clean(k, size);
-            let o = scenes::outcome(&case, &config);
-            (k, case.bed, o)
-        })
-        .collect();
-    report("clean", &all, verbose);
+    type Maker = fn(u64, (u32, u32)) -> scenes::Case;
+    let makers: [(&str, Maker); 2] = [("clean", scenes::clean), ("degraded", scenes::degraded)];
+    for (name, make) in makers {
+        let all: Vec<Row> = (0..n)
+            .into_par_iter()
+            .map(|k| {
+                let case = make(k, size);
+                let o = scenes::outcome(&case, &config);
+                if let Some(dir) = std::env::var_os("OUT") {
+                    let path = std::path::Path::new(&dir).join(format!("{name}_{k:03}.png"));
+                    drum_vision::overlay::write_png(&case.frame, &path).unwrap();
+                }
+                (k, case.bed, o)
+            })
+            .collect();
+        report(name, &all, verbose);
+    }
 }
 
 type Row = (u64, drum_film::Bed, Result<scenes::Outcome, drum_vision::VisionError>);

@@ -94,6 +94,9 @@ pub fn trace(prepared: &Prepared, line: &LineSplit) -> Boundary {
             let r = u.hypot(v);
             if r < 0.97 * CELLS as f64 && (r > hub_cells || prepared.hub_px == 0.0) {
                 let (x, y) = axes.to_picture(u * step, v * step);
+                if prepared.is_hidden(x, y) {
+                    continue;
+                }
                 let binned = |p: f64| (p - 0.5 * (k - 1.0)) / k;
                 grey[i * n + j] = small.sample(binned(x), binned(y));
             }

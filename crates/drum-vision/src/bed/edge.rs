@@ -9,7 +9,7 @@ use super::prepare::Prepared;
 use crate::config::{Threshold, VisionConfig};
 use crate::error::VisionError;
 use crate::filter::threshold::otsu;
-use crate::spline::{Smoothed, smooth};
+use crate::spline::{Smoothed, near_stiff_curve, smooth_weighted};
 use crate::statistics::median_in_place;
 
 /// The surface as a smoothed function `v(u)` in turned axes, in the plane's coordinates.
@@ -30,6 +30,11 @@ pub struct Curve {
     /// Median distance over which the grey rises from 20 % to 80 % of the contrast, pixels.
     pub edge_width_px: f64,
 }
+
+/// Pieces of the stiff curve from which glare and drops are told.
+const STIFF_PIECES: usize = 6;
+/// Departure from the stiff curve that is always allowed, fraction of the radius.
+const STIFF_MARGIN: f64 = 0.012;
 
 /// Half-way, and a tenth of the contrast to either side.
 const SHIFTS: [f64; 3] = [0.0, -0.1, 0.1];
@@ -59,7 +64,8 @@ pub fn trace_edges(
         ((config.surface.spline_pieces as f64 * span / (2.0 * radius)).round() as usize).max(4)
     };
     let few = |columns| VisionError::TooFewColumns { columns, needed: 16 };
-    let start = smooth(&u, &v, pieces(&u)).ok_or_else(|| few(u.len()))?;
+    let near = near_stiff_curve(&u, &v, STIFF_PIECES, STIFF_MARGIN * radius, 0.4);
+    let start = smooth_weighted(&u, &v, &near, pieces(&u)).ok_or_else(|| few(u.len()))?;
     let mut curve: Option<Curve> = None;
     for round in 0..2 {
         let centre = curve.as_ref().map_or(&start, |c| &c.smoothed).spline.clone();
@@ -72,7 +78,8 @@ pub fn trace_edges(
         if u.len() < 16 {
             return Err(few(u.len()));
         }
-        let smoothed = smooth(&u, &v, pieces(&u)).ok_or_else(|| few(found))?;
+        let near = near_stiff_curve(&u, &v, STIFF_PIECES, STIFF_MARGIN * radius, 0.4);
+        let smoothed = smooth_weighted(&u, &v, &near, pieces(&u)).ok_or_else(|| few(found))?;
         let accepted = smoothed.weights.iter().filter(|w| **w > 0.1).count();
         let visible = accepted as f64 / lines.len().max(1) as f64;
         if round == 1 {
@@ -173,7 +180,7 @@ fn lines_across(
                     return f64::NAN;
                 }
                 let (x, y) = boundary.axes.to_picture(u, v);
-                prepared.plane.sample(x, y)
+                if prepared.is_hidden(x, y) { f64::NAN } else { prepared.plane.sample(x, y) }
             })
             .collect();
         lines.push(Line { u, centre: v, grey, slope: centre.slope(u) });

@@ -5,7 +5,7 @@ use crate::drum::circle_fit::Circle;
 use crate::error::VisionError;
 use crate::filter::median::median_u8;
 use crate::filter::stretch::{histogram, stretch_limits, stretched};
-use crate::filter::wiener::{Border, wiener};
+use crate::filter::wiener::{Border, box_sums, wiener};
 use crate::frame::{Frame, Plane, Window};
 
 /// The square around the drum, filtered and stretched, with the drum's circle in its coordinates.
@@ -23,6 +23,8 @@ pub struct Prepared {
     pub limits: (u8, u8),
     /// Fraction of the drum's pixels at the saturated level in the frame.
     pub saturated: f64,
+    /// Pixels that a reflex hides: saturated spots with a margin. Empty when there is none.
+    pub hidden: Vec<bool>,
     /// Histogram of the stretched samples inside the drum and outside the hub.
     pub histogram: [u64; 256],
 }
@@ -65,6 +67,7 @@ pub fn prepare(
     if saturated > config.exposure.saturated_fraction {
         return Err(VisionError::Saturated { fraction: saturated, level });
     }
+    let hidden = hidden_by_glare(&raw, w, h, saturated, local.radius_px, config);
     let window_px = default_window(circle.radius_px);
     let median_px = config.bed.median_px.unwrap_or(window_px);
     let filtered = median_u8(&raw, w, h, median_px, median_px);
@@ -81,7 +84,41 @@ pub fn prepare(
         *v = stretched(*v, limits);
     }
     let histogram = histogram(over_spans(&plane.to_u8(), w, &spans));
-    Ok(Prepared { plane, origin_px, circle: local, hub_px, limits, saturated, histogram })
+    Ok(Prepared { plane, origin_px, circle: local, hub_px, limits, saturated, hidden, histogram })
+}
+
+impl Prepared {
+    /// Whether a reflex hides the pixel nearest to a point.
+    #[must_use]
+    #[inline]
+    pub fn is_hidden(&self, x: f64, y: f64) -> bool {
+        if self.hidden.is_empty() || x < 0.0 || y < 0.0 {
+            return false;
+        }
+        let (i, j) = ((x + 0.5) as usize, (y + 0.5) as usize);
+        i < self.plane.width && j < self.plane.height && self.hidden[j * self.plane.width + i]
+    }
+}
+
+/// Saturated spots, grown by a margin of 3 % of the radius.
+///
+/// When more than a tenth of the drum is that bright, white is a tone of the scene and no spot of glare.
+fn hidden_by_glare(
+    raw: &[u8],
+    w: usize,
+    h: usize,
+    saturated: f64,
+    radius_px: f64,
+    config: &VisionConfig,
+) -> Vec<bool> {
+    if saturated == 0.0 || saturated > 0.1 {
+        return Vec::new();
+    }
+    let level = config.exposure.saturated_level.saturating_sub(4);
+    let spots: Vec<f32> = raw.iter().map(|&v| f32::from(u8::from(v >= level))).collect();
+    let size = 2 * (0.03 * radius_px).round() as usize + 1;
+    // Three pixels at least: a lone hot pixel is the median filter's business.
+    box_sums(&spots, w, h, size, size, Border::Zero).into_iter().map(|n| n > 2.5).collect()
 }
 
 /// Row, first and end column of the pixels inside `share` of the radius and outside of the hub.

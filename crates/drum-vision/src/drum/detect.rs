@@ -2,7 +2,7 @@
 
 use super::circle_fit::{Circle, CircleFit, fit_circle};
 use super::hough::{Contrast, HoughCircle, find_circles};
-use super::{rim, ring};
+use super::{rim, ring, ring_model};
 use crate::config::{CircleSource, DrumConfig, Polarity};
 use crate::error::{CircleCandidate, VisionError};
 use crate::frame::Frame;
@@ -116,8 +116,17 @@ fn by_ring(frame: &Frame, config: &DrumConfig) -> Result<Drum, VisionError> {
     let found = find_circles(&plane, scaled(range, bin), Contrast::DarkDisc, 0.3, 5);
     let near = pick(&found, range, bin, config.min_support)?;
     let redness = frame.redness(frame.window());
-    refine(near, range, config.min_support, |c, reach| rim::ring_points(&redness, c, reach))
-        .map(|fit| Drum { fit, origin: CircleOrigin::Ring })
+    let mut fit =
+        refine(near, range, config.min_support, |c, reach| rim::ring_points(&redness, c, reach))?;
+    // The blur moves the half-way points of all rays alike: the mean profile tells by how much.
+    let reach = (0.1 * fit.circle.radius_px).max(8.0);
+    let profile = ring_model::mean_profile(&redness, fit.circle, reach);
+    match ring_model::inner_edge(&profile) {
+        Some((shift, _)) if shift.abs() < 3.0 => fit.circle.radius_px += shift,
+        // Without the model the half-way points stand, known to a fraction of a pixel.
+        _ => fit.radius_sd_px = fit.radius_sd_px.hypot(0.3),
+    }
+    Ok(Drum { fit, origin: CircleOrigin::Ring })
 }
 
 fn by_outline(frame: &Frame, config: &DrumConfig) -> Result<Drum, VisionError> {

@@ -5,3 +5,4 @@ pub mod detect;
 pub mod hough;
 pub mod rim;
 pub mod ring;
+pub mod ring_model;
