@@ -49,13 +49,14 @@ impl Canvas {
             .for_each(|(row, pixels)| paint(row as u32, pixels));
     }
 
-    /// Adds `weight` times another picture of the same size.
-    pub(crate) fn add(&mut self, other: &Self, weight: f32) {
-        self.pixels.par_iter_mut().zip(&other.pixels).for_each(|(p, q)| {
-            for k in 0..3 {
-                p[k] += weight * q[k];
-            }
-        });
+    pub(crate) fn pixels_mut(&mut self) -> &mut [Color] {
+        &mut self.pixels
+    }
+
+    /// Moves every pixel by a share of the way to another picture's: with shares 1/2, 1/3 .. a running mean that leaves
+    /// equal pictures as they are, bit by bit.
+    pub(crate) fn approach(&mut self, other: &Self, share: f32) {
+        self.pixels.par_iter_mut().zip(&other.pixels).for_each(|(p, q)| *p = mixed(*p, *q, share));
     }
 
     /// Rounds to 8 bits a channel; values below 0 and above 1 saturate.

@@ -91,6 +91,14 @@ pub enum Error {
         /// Distance of its nearest point, along the optical axis.
         depth_m: f64,
     },
+    /// Rows of one frame come in two places.
+    #[error(
+        "rows of frame {frame} come again after those of another frame: sort the rows by frame"
+    )]
+    FrameReturns {
+        /// Number of the frame.
+        frame: u64,
+    },
     /// Frames that were to be joined differ in size.
     #[error("frame {index} is {found:?} pixels, the first one {expected:?}")]
     FrameSize {

@@ -1,16 +1,15 @@
-//! The film: camera, scene, light and effects together, and the frames that they make.
-
-use image::RgbImage;
+//! The film: camera, scene, light and effects together.
 
 use crate::bed::Bed;
 use crate::camera::Camera;
-use crate::effects::Exposure;
+use crate::canvas::Color;
+use crate::effects::{Defocus, Exposure, Glare, Noise, Powder, Vignetting};
 use crate::error::{Error, check};
 use crate::light::Light;
-use crate::scene::Scene;
-use crate::stage::{DressedBed, Stage};
+use crate::scene::{Drum, Scene};
+use crate::spheres::Sphere;
+use crate::studio::{BedFrame, SphereFrame, Studio};
 use crate::texture::Texture;
-use crate::truth::Truth;
 
 /// All that decides how a frame looks.
 ///
@@ -35,11 +34,21 @@ pub struct Film {
     pub scene: Scene,
     /// The light.
     pub light: Light,
-    /// Looks of an analytic bed.
+    /// Looks of the beads.
     pub texture: Texture,
+    /// Powder on the front plate.
+    pub powder: Powder,
+    /// Lamps mirrored in the front plate.
+    pub glare: Glare,
+    /// Blur of the lens.
+    pub defocus: Defocus,
+    /// Loss of light towards the corners.
+    pub vignetting: Vignetting,
     /// Shutter time and motion.
     pub exposure: Exposure,
-    /// Edge pixels are the mean of this many points along each side.
+    /// Noise of the sensor.
+    pub noise: Noise,
+    /// A pixel on an edge is the mean of this many points along each side.
     pub edge_samples: u32,
 }
 
@@ -50,62 +59,74 @@ impl Default for Film {
             scene: Scene::default(),
             light: Light::default(),
             texture: Texture::default(),
+            powder: Powder::default(),
+            glare: Glare::default(),
+            defocus: Defocus::default(),
+            vignetting: Vignetting::default(),
             exposure: Exposure::default(),
+            noise: Noise::default(),
             edge_samples: 4,
         }
     }
 }
 
-/// A frame of an analytic bed with what a perfect reader would measure on it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BedFrame {
-    /// The picture.
-    pub image: RgbImage,
-    /// The measures of the silhouette that was drawn.
-    pub truth: Truth,
-}
-
 impl Film {
-    fn check(&self) -> Result<(), Error> {
+    /// Pictures in the manner of EDEM's: particles in one flat colour on a light background, nothing else.
+    ///
+    /// Without a ring such a picture does not show where the drum is: see [`Studio::reference_circle`].
+    #[must_use]
+    pub fn silhouette(drum: Drum, particles: Color, background: Color) -> Self {
+        Self {
+            scene: Scene::bare(drum, background),
+            light: Light::flat(),
+            texture: Texture {
+                color: particles,
+                contrast: 0.0,
+                variation: 0.0,
+                ..Texture::default()
+            },
+            ..Self::default()
+        }
+    }
+
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// The first one out of its range, with its path.
+    pub fn check(&self) -> Result<(), Error> {
         self.scene.check()?;
+        self.light.check()?;
         self.texture.check()?;
+        self.powder.check()?;
+        self.glare.check()?;
+        self.defocus.check()?;
+        self.vignetting.check()?;
         self.exposure.check()?;
+        self.noise.check()?;
         check("edge_samples", self.edge_samples.into(), "", (1.0, 64.0), "1 to 64 points a side")
     }
 
-    /// Films an analytic bed; frames of different `index` differ in texture and noise.
+    /// Sets everything up for a series of frames.
     ///
     /// # Errors
-    /// What [`Camera::view`], [`Bed::shape`] and [`Truth::of_bed`] report.
-    pub fn bed_frame(&self, bed: &Bed, index: u64) -> Result<BedFrame, Error> {
-        self.check()?;
-        let view = self.camera.view(&self.scene.drum)?;
-        let shape = bed.shape()?;
-        let truth = Truth::of_bed(&shape, &self.scene, &view)?;
-        let texture = Texture {
-            seed: crate::texture::hash(self.texture.seed, index as i64, 0),
-            ..self.texture
-        };
-        let dressed = DressedBed { shape: &shape, texture: &texture, exposure: &self.exposure };
-        let stage = Stage::new(&self.scene, &view, self.light.lamp(), Some(dressed));
-        let mut canvas = stage.draw(self.edge_samples);
-        self.light.apply_gradient(&mut canvas, &view, truth.radius_px);
-        Ok(BedFrame { image: canvas.to_image(), truth })
+    /// Those of [`Film::check`] and [`Camera::view`].
+    pub fn studio(&self) -> Result<Studio, Error> {
+        Studio::new(self)
     }
 
-    /// Share of each pixel that an analytic bed covers (8 x 8 points a pixel, hub ignored), row by row, and its truth.
+    /// Films one analytic bed; frames of different `index` differ in texture and noise.
     ///
     /// # Errors
-    /// As [`Film::bed_frame`].
-    pub fn bed_coverage(&self, bed: &Bed) -> Result<(Vec<f32>, Truth), Error> {
-        self.check()?;
-        let view = self.camera.view(&self.scene.drum)?;
-        let shape = bed.shape()?;
-        let truth = Truth::of_bed(&shape, &self.scene, &view)?;
-        let dressed =
-            DressedBed { shape: &shape, texture: &self.texture, exposure: &self.exposure };
-        let stage = Stage::new(&self.scene, &view, self.light.lamp(), Some(dressed));
-        let coverage = stage.bed_coverage(8);
-        Ok((coverage.pixels().iter().map(|c| c[0]).collect(), truth))
+    /// Those of [`Film::studio`] and [`Studio::bed_frame`].
+    pub fn bed_frame(&self, bed: &Bed, index: u64) -> Result<BedFrame, Error> {
+        self.studio()?.bed_frame(bed, index)
+    }
+
+    /// Films one snapshot of spheres; for a series, set up a [`Studio`] once.
+    ///
+    /// # Errors
+    /// Those of [`Film::studio`] and [`Studio::sphere_frame`].
+    pub fn sphere_frame(&self, spheres: &[Sphere], index: u64) -> Result<SphereFrame, Error> {
+        self.studio()?.sphere_frame(spheres, index)
     }
 }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::camera::View;
 use crate::canvas::{Canvas, Color};
+use crate::error::{Error, check};
 
 /// One distant lamp and the light of the room.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +24,8 @@ pub struct Light {
     pub specular: f64,
     /// Exponent of the reflex: the larger, the smaller the spot.
     pub shininess: f64,
+    /// Share of light lost from the front plate to the rear wall, for spheres.
+    pub depth_loss: f64,
     /// Change of all light over one drum radius along [`Light::gradient_deg`], as a share.
     pub gradient: f64,
     /// Direction in which the picture grows brighter, degrees counter-clockwise from the right.
@@ -37,6 +40,7 @@ impl Default for Light {
             diffuse: 0.5,
             specular: 0.12,
             shininess: 18.0,
+            depth_loss: 0.3,
             gradient: 0.0,
             gradient_deg: 90.0,
         }
@@ -54,7 +58,25 @@ impl Light {
     /// Light that shows every point in its own colour.
     #[must_use]
     pub fn flat() -> Self {
-        Self { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Self::default() }
+        Self { ambient: 1.0, diffuse: 0.0, specular: 0.0, depth_loss: 0.0, ..Self::default() }
+    }
+
+    /// Whether every point shows its own colour, wherever it lies.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.ambient == 1.0 && self.diffuse == 0.0 && self.specular == 0.0 && self.depth_loss == 0.0
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        check("light.ambient", self.ambient, "", (0.0, 10.0), "0 to 10")?;
+        check("light.diffuse", self.diffuse, "", (0.0, 10.0), "0 to 10")?;
+        check("light.specular", self.specular, "", (0.0, 10.0), "0 to 10")?;
+        check("light.shininess", self.shininess, "", (1e-3, 1e4), "an exponent above 0")?;
+        check("light.depth_loss", self.depth_loss, "", (0.0, 1.0), "a share from 0 to 1")?;
+        check("light.gradient", self.gradient, "1/R", (-1.0, 1.0), "-1 to 1")?;
+        check("light.gradient_deg", self.gradient_deg, "deg", (-360.0, 360.0), "-360 to 360")?;
+        let direction = self.direction.length();
+        check("light.direction", direction, "", (1e-9, 1e9), "three finite numbers, not all 0")
     }
 
     pub(crate) fn lamp(&self) -> Lamp {

@@ -86,6 +86,32 @@ impl<'a> Stage<'a> {
         canvas
     }
 
+    /// Ring and hub alone: colour times coverage, and coverage.
+    pub(crate) fn front(&self, samples: u32) -> Vec<[f32; 4]> {
+        use rayon::prelude::*;
+        let width = self.view.width_px as usize;
+        let mut layer = vec![[0.0_f32; 4]; width * self.view.height_px as usize];
+        let step = 1.0 / f64::from(samples);
+        let weight = 1.0 / (samples * samples) as f32;
+        layer.par_chunks_mut(width).enumerate().for_each(|(v, row)| {
+            for (u, pixel) in row.iter_mut().enumerate() {
+                for k in 0..samples * samples {
+                    let x = u as f64 + (f64::from(k % samples) + 0.5) * step - 0.5;
+                    let y = v as f64 + (f64::from(k / samples) + 0.5) * step - 0.5;
+                    let part = self.before_bed(x, y);
+                    if let Some(part) = part {
+                        let color = self.color(x, y, part);
+                        for q in 0..3 {
+                            pixel[q] += weight * color[q];
+                        }
+                        pixel[3] += weight;
+                    }
+                }
+            }
+        });
+        layer
+    }
+
     /// Share of each pixel that the bed covers, row by row.
     pub(crate) fn bed_coverage(&self, samples: u32) -> Canvas {
         let mut canvas = Canvas::new(self.view.width_px, self.view.height_px, [0.0; 3]);
@@ -135,6 +161,22 @@ impl<'a> Stage<'a> {
 
     /// What the ray through a pixel coordinate meets first.
     pub(crate) fn part(&self, u: f64, v: f64) -> Part {
+        if let Some(part) = self.before_bed(u, v) {
+            return part;
+        }
+        let drum = &self.scene.drum;
+        let r2 = self.view.on_plane(u, v, drum.front_z()).length_squared();
+        if r2 < drum.radius_m * drum.radius_m {
+            self.inside(u, v).unwrap_or(Part::RearWall)
+        } else if r2 < self.scene.plate_radius_m * self.scene.plate_radius_m {
+            Part::Plate
+        } else {
+            Part::Background
+        }
+    }
+
+    /// Ring or hub, which lie before everything else.
+    fn before_bed(&self, u: f64, v: f64) -> Option<Part> {
         let drum = &self.scene.drum;
         let ring = &self.scene.ring;
         let front = self.view.on_plane(u, v, drum.front_z());
@@ -144,20 +186,9 @@ impl<'a> Stage<'a> {
             self.view.on_plane(u, v, drum.front_z() + ring.standoff_m)
         };
         if ring.covers(drum, at_ring.x, at_ring.y) {
-            return Part::Ring;
+            return Some(Part::Ring);
         }
-        let r2 = front.length_squared();
-        if r2 < drum.radius_m * drum.radius_m {
-            if let Some(part) = self.scene.hub.part(front.x, front.y) {
-                return Part::Hub(part);
-            }
-            return self.inside(u, v).unwrap_or(Part::RearWall);
-        }
-        if r2 < self.scene.plate_radius_m * self.scene.plate_radius_m {
-            Part::Plate
-        } else {
-            Part::Background
-        }
+        self.scene.hub.part(front.x, front.y).map(Part::Hub)
     }
 
     /// What lies behind the front plate at a pixel coordinate; `None` outside the drum.

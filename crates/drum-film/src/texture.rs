@@ -78,9 +78,7 @@ impl Texture {
             }
         }
         let (d2, offset, bits) = nearest;
-        // Triangular distribution of sd 1: the sum of two uniform ones, scaled.
-        let grey = (unit(bits.rotate_left(17)) + unit(bits.rotate_left(41)) - 1.0) * 6.0_f64.sqrt();
-        let body = scaled(self.color, (1.0 + self.variation * grey) as f32);
+        let body = scaled(self.color, self.grey(bits));
         let drawn = if d2 < r * r {
             let n = offset / r;
             let normal = DVec3::new(n.x, n.y, (1.0 - n.length_squared()).max(0.0).sqrt());
@@ -90,6 +88,16 @@ impl Texture {
         };
         let share = self.contrast as f32;
         std::array::from_fn(|k| self.color[k] + share * (drawn[k] - self.color[k]))
+    }
+}
+
+impl Texture {
+    /// Brightness of a bead against the mean, from its random bits.
+    pub(crate) fn grey(&self, bits: u64) -> f32 {
+        // Triangular distribution of sd 1: the sum of two uniform ones, scaled.
+        let spread =
+            (unit(bits.rotate_left(17)) + unit(bits.rotate_left(41)) - 1.0) * 6.0_f64.sqrt();
+        (1.0 + self.variation * spread).max(0.0) as f32
     }
 }
 
