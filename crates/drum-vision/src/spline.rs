@@ -162,7 +162,7 @@ fn basis_rows(x: &[f64], y: &[f64], pieces: usize) -> Option<(usize, Spline, Row
     if to - from <= 0.0 || !(to - from).is_finite() {
         return None;
     }
-    let pieces = pieces.clamp(4, (n / 3).max(4));
+    let pieces = pieces.clamp(2, (n / 3).max(2));
     let piece = (to - from) / pieces as f64;
     let blank = Spline { from, piece, coefficients: vec![0.0; pieces + 3] };
     let rows = x.iter().map(|&v| blank.locate(v)).collect();

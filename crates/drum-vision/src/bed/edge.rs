@@ -32,7 +32,7 @@ pub struct Curve {
 }
 
 /// Pieces of the stiff curve from which glare and drops are told.
-const STIFF_PIECES: usize = 6;
+const STIFF_PIECES: usize = 3;
 /// Departure from the stiff curve that is always allowed, fraction of the radius.
 const STIFF_MARGIN: f64 = 0.012;
 
@@ -156,7 +156,7 @@ fn lines_across(
     let radius = prepared.circle.radius_px;
     let step = (radius / 300.0).max(1.0);
     let n = (half_length(radius) / SPACING).round() as isize;
-    let rim = (0.97 * radius).min(radius - 3.0);
+    let rim = radius - (0.012 * radius).max(3.0);
     let count = (2.0 * radius / step).floor() as usize;
     let mut lines = Vec::new();
     // Beyond the coarse curve's ends the tangent may be followed a little.

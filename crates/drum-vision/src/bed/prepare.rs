@@ -5,7 +5,7 @@ use crate::drum::circle_fit::Circle;
 use crate::error::VisionError;
 use crate::filter::median::median_u8;
 use crate::filter::stretch::{histogram, stretch_limits, stretched};
-use crate::filter::wiener::{Border, box_sums, wiener};
+use crate::filter::wiener::{Border, wiener};
 use crate::frame::{Frame, Plane, Window};
 
 /// The square around the drum, filtered and stretched, with the drum's circle in its coordinates.
@@ -100,7 +100,7 @@ impl Prepared {
     }
 }
 
-/// Saturated spots, grown by a margin of 3 % of the radius.
+/// Saturated spots, each grown to the ellipse of its moments with 1.7 times its axes and 2 % of the radius.
 ///
 /// When more than a tenth of the drum is that bright, white is a tone of the scene and no spot of glare.
 fn hidden_by_glare(
@@ -115,10 +115,77 @@ fn hidden_by_glare(
         return Vec::new();
     }
     let level = config.exposure.saturated_level.saturating_sub(4);
-    let spots: Vec<f32> = raw.iter().map(|&v| f32::from(u8::from(v >= level))).collect();
-    let size = 2 * (0.03 * radius_px).round() as usize + 1;
-    // Three pixels at least: a lone hot pixel is the median filter's business.
-    box_sums(&spots, w, h, size, size, Border::Zero).into_iter().map(|n| n > 2.5).collect()
+    let mut hidden = vec![false; raw.len()];
+    let mut seen = vec![false; raw.len()];
+    let mut stack = Vec::new();
+    let mut any = false;
+    for start in 0..raw.len() {
+        if raw[start] < level || seen[start] {
+            continue;
+        }
+        // Moments of the connected spot.
+        let (mut n, mut sx, mut sy, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        seen[start] = true;
+        stack.push(start);
+        while let Some(k) = stack.pop() {
+            let (x, y) = (k % w, k / w);
+            let (fx, fy) = (x as f64, y as f64);
+            n += 1.0;
+            sx += fx;
+            sy += fy;
+            xx += fx * fx;
+            xy += fx * fy;
+            yy += fy * fy;
+            for (ok, j) in [
+                (x > 0, k.wrapping_sub(1)),
+                (x + 1 < w, k + 1),
+                (y > 0, k.wrapping_sub(w)),
+                (y + 1 < h, k + w),
+            ] {
+                if ok && !seen[j] && raw[j] >= level {
+                    seen[j] = true;
+                    stack.push(j);
+                }
+            }
+        }
+        // A few hot pixels, or sparkles of a grain, are the median filter's business.
+        if n < 4.0f64.max(5e-4 * radius_px * radius_px) {
+            continue;
+        }
+        any = true;
+        let (cx, cy) = (sx / n, sy / n);
+        let spread = [xx / n - cx * cx, xy / n - cx * cy, yy / n - cy * cy];
+        hide_ellipse(&mut hidden, w, h, (cx, cy), spread, 0.02 * radius_px + 1.0);
+    }
+    if any { hidden } else { Vec::new() }
+}
+
+/// Marks the ellipse with 3.4 standard deviations (1.7 half axes of an even ellipse) and a margin.
+fn hide_ellipse(
+    hidden: &mut [bool],
+    w: usize,
+    h: usize,
+    centre: (f64, f64),
+    spread: [f64; 3],
+    margin: f64,
+) {
+    let [xx, xy, yy] = spread;
+    let (mean, half) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
+    let (a, b) = (
+        3.4 * (mean + half).max(0.0).sqrt() + margin,
+        3.4 * (mean - half).max(0.0).sqrt() + margin,
+    );
+    let (sin, cos) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
+    let bound = |v: f64, n: usize| v.clamp(0.0, n as f64) as usize;
+    for y in bound(centre.1 - a, h)..bound(centre.1 + a + 1.0, h) {
+        for x in bound(centre.0 - a, w)..bound(centre.0 + a + 1.0, w) {
+            let (dx, dy) = (x as f64 - centre.0, y as f64 - centre.1);
+            let (p, q) = ((dx * cos + dy * sin) / a, (dy * cos - dx * sin) / b);
+            if p * p + q * q < 1.0 {
+                hidden[y * w + x] = true;
+            }
+        }
+    }
 }
 
 /// Row, first and end column of the pixels inside `share` of the radius and outside of the hub.
