@@ -18,6 +18,7 @@ fn main() {
     let size = (width, width * 2 / 3);
     let config = drum_vision::VisionConfig::default();
     let verbose = std::env::var_os("VERBOSE").is_some();
+    if let Some(k) = std::env::var("ONE").ok().and_then(|k| k.parse().ok()) { for make in [scenes::clean, scenes::degraded] { let c = make(k, size); let m = drum_vision::measure_frame(&c.frame, &config, drum_vision::Context::default()).unwrap(); let f = m.surface.points[0]; let l = *m.surface.points.last().unwrap(); let o = m.drum.fit.circle; println!("{:?}\n{:?} {:?} vis {}", c.truth, (f.0 + o.x_px, o.y_px - f.1), (l.0 + o.x_px, o.y_px - l.1), m.visible); } return; }
     type Maker = fn(u64, (u32, u32)) -> scenes::Case;
     let makers: [(&str, Maker); 2] = [("clean", scenes::clean), ("degraded", scenes::degraded)];
     for (name, make) in makers {

@@ -78,7 +78,7 @@ pub fn trace_edges(
         if u.len() < 16 {
             return Err(few(u.len()));
         }
-        let near = near_stiff_curve(&u, &v, STIFF_PIECES, STIFF_MARGIN * radius, 0.4);
+        let near = plausible(&used, &u, &v, radius);
         let smoothed = smooth_weighted(&u, &v, &near, pieces(&u)).ok_or_else(|| few(found))?;
         let accepted = smoothed.weights.iter().filter(|w| **w > 0.1).count();
         let visible = accepted as f64 / lines.len().max(1) as f64;
@@ -105,6 +105,33 @@ pub fn trace_edges(
         });
     }
     curve.ok_or_else(|| few(0))
+}
+
+/// Which crossings may belong to the bed.
+///
+/// Far from the stiff curve a crossing is believed only where its edge looks like the others: as sharp and with
+/// as much contrast on its own line. Glare has soft flanks; a surface that levels off at the wall has not. Inside of the
+/// middle 80 % three times that distance is never believed.
+fn plausible(used: &[&Crossing], u: &[f64], v: &[f64], radius: f64) -> Vec<bool> {
+    let margin = STIFF_MARGIN * radius;
+    let near = near_stiff_curve(u, v, STIFF_PIECES, margin, 0.4);
+    let nearer = near_stiff_curve(u, v, STIFF_PIECES, 3.0 * margin, 0.4);
+    let median = |values: Vec<f64>| {
+        let mut values = values;
+        median_in_place(&mut values).unwrap_or(0.0)
+    };
+    let width = median(used.iter().filter_map(|p| p.width).collect());
+    let contrast = median(used.iter().filter_map(|p| p.own_contrast).collect());
+    let (from, to) = (u[0], u[u.len() - 1]);
+    used.iter()
+        .enumerate()
+        .map(|(k, p)| {
+            let soft = p.width.is_none_or(|w| w > 1.35 * width + 0.3);
+            let odd = p.own_contrast.is_some_and(|c| (c / contrast - 1.0).abs() > 0.3);
+            let inner = (u[k] - from).min(to - u[k]) > 0.1 * (to - from);
+            near[k] || (!(soft || odd) && (nearer[k] || !inner))
+        })
+        .collect()
 }
 
 /// Refuses a surface that is mostly hidden or too ragged.
@@ -139,6 +166,8 @@ struct Crossing {
     v: [Option<f64>; 3],
     contrast: f64,
     width: Option<f64>,
+    /// Contrast of the greys on the line itself, where both sides are seen.
+    own_contrast: Option<f64>,
 }
 
 /// Spacing of the samples on a line, pixels.
@@ -231,11 +260,12 @@ fn crossings(
                     .collect();
                 median_in_place(&mut held)
             };
-            let mut out = Crossing { u: line.u, v: [None; 3], contrast: 0.0, width: None };
+            let mut out = Crossing { u: line.u, v: [None; 3], contrast: 0.0, width: None, own_contrast: None };
             let (Some(a), Some(b)) = (level(&above), level(&below)) else {
                 return out;
             };
             out.contrast = b - a;
+            out.own_contrast = above[i].zip(below[i]).map(|(p, q)| q - p);
             // Far less contrast than elsewhere, or the other way round: glare, or no edge.
             if out.contrast * global.signum() < 0.3 * global.abs() {
                 return out;
