@@ -267,12 +267,16 @@ choice! {
 }
 
 settings! {
-    /// Known biases of the measurement; each is declared in [`crate::parameters::PARAMETERS`].
+    /// Known biases of the measurement; each is declared in [`crate::parameters::parameters`].
     pub struct MeasureConfig {
         /// Added to `cen_x`, percent of the radius: the image's offset towards the raised side.
         pub offset_x_pct: f64 = 0.0,
         /// Added to `cen_y`, percent of the radius: the image's offset downwards.
         pub offset_y_pct: f64 = 0.0,
+        /// Added to `aor_lin`, degrees: a difference of definition.
+        pub bias_lin_deg: f64 = 0.0,
+        /// Added to `aor_mid`, degrees: a difference of definition.
+        pub bias_mid_deg: f64 = 0.0,
         /// Shift of the threshold towards the bed's grey level, fraction of the contrast.
         pub threshold_bias: f64 = 0.0,
         /// Factor on the radius found: the drum's inner radius over that of the circle.
@@ -299,6 +303,37 @@ settings! {
         pub outlier_sd: f64 = 5.0,
         /// Spread of the radius over the series that is still accepted, pixels (the thesis saw at most 1).
         pub radius_spread_px: f64 = 1.0,
+    }
+}
+
+impl MeasureConfig {
+    /// The value at a path of the namespace, such as `measure.scale`.
+    #[must_use]
+    pub fn get(&self, path: &str) -> Option<f64> {
+        Some(match path {
+            "measure.offset_x_pct" => self.offset_x_pct,
+            "measure.offset_y_pct" => self.offset_y_pct,
+            "measure.bias_lin_deg" => self.bias_lin_deg,
+            "measure.bias_mid_deg" => self.bias_mid_deg,
+            "measure.threshold_bias" => self.threshold_bias,
+            "measure.scale" => self.scale,
+            _ => return None,
+        })
+    }
+
+    /// Sets the value at a path; `false` when there is no such path.
+    pub fn set(&mut self, path: &str, value: f64) -> bool {
+        let field = match path {
+            "measure.offset_x_pct" => &mut self.offset_x_pct,
+            "measure.offset_y_pct" => &mut self.offset_y_pct,
+            "measure.bias_lin_deg" => &mut self.bias_lin_deg,
+            "measure.bias_mid_deg" => &mut self.bias_mid_deg,
+            "measure.threshold_bias" => &mut self.threshold_bias,
+            "measure.scale" => &mut self.scale,
+            _ => return false,
+        };
+        *field = value;
+        true
     }
 }
 
@@ -357,10 +392,11 @@ impl VisionConfig {
         range("surface.spline_pieces", self.surface.spline_pieces as f64, 4.0, 200.0)?;
         range("surface.min_visible", self.surface.min_visible, 0.0, 1.0)?;
         range("surface.max_scatter", self.surface.max_scatter, 0.0, 1.0)?;
-        range("measure.offset_x_pct", self.measure.offset_x_pct, -50.0, 50.0)?;
-        range("measure.offset_y_pct", self.measure.offset_y_pct, -50.0, 50.0)?;
-        range("measure.threshold_bias", self.measure.threshold_bias, -0.45, 0.45)?;
-        range("measure.scale", self.measure.scale, 0.5, 2.0)?;
+        for p in crate::parameters::parameters() {
+            if let Some(v) = self.measure.get(p.path) {
+                range(p.path, v, p.range.0, p.range.1)?;
+            }
+        }
         range("rig.speed_rpm", self.rig.speed_rpm.unwrap_or(1.0), 0.0, 1e5)?;
         range("rig.drum_radius_m", self.rig.drum_radius_m.unwrap_or(1.0), 1e-6, 1e3)?;
         range("rig.particle_diameter_m", self.rig.particle_diameter_m.unwrap_or(1.0), 0.0, 1e3)?;

@@ -80,8 +80,8 @@ pub fn responses(
     }
     let radius = circle.radius_px * config.measure.scale;
     Responses {
-        aor_lin_deg: sign * lin.atan().to_degrees(),
-        aor_mid_deg: sign * mid.atan().to_degrees(),
+        aor_lin_deg: sign * lin.atan().to_degrees() + config.measure.bias_lin_deg,
+        aor_mid_deg: sign * mid.atan().to_degrees() + config.measure.bias_mid_deg,
         cen_x_pct: 100.0 * sign * mx / area / radius + config.measure.offset_x_pct,
         cen_y_pct: -100.0 * my / area / radius + config.measure.offset_y_pct,
         fill: area / (std::f64::consts::PI * radius * radius),

@@ -7,6 +7,10 @@
 //!   standard deviation `scatter sqrt((2 k + 1) / n)`;
 //! - **circle**: standard uncertainty of centre and radius from the fit;
 //! - **threshold**: how far the curve moves when the level moves by a tenth of the contrast, for each of the same shapes;
+//! - **bridged**: pieces without an edge. Beyond the last edge at either end the curve goes on straight, and may bend by
+//!   a curvature of `1/R`; across an inner gap the spline may be off by a tenth of such an arc;
+//! - **model**: smooth faults that nothing of this shows (uneven grains at the edge, light), a floor for each shape
+//!   in pixels, and one for centre and radius of the circle;
 //! - **tilt**: an elliptic rim turns lines by up to half its ellipticity.
 //!
 //! The components are added in squares with the factors of [`Weights`], which were fitted once on synthetic
@@ -30,6 +34,8 @@ pub struct Weights {
     pub circle: f64,
     /// On the threshold's effect.
     pub threshold: f64,
+    /// On the curvature of bridged pieces.
+    pub bridged: f64,
     /// Standard deviation of every shape that no component sees, pixels.
     pub floor_px: f64,
     /// The same for centre and radius of the circle, pixels.
@@ -38,7 +44,7 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { edge: 1.0, circle: 1.0, threshold: 1.0, floor_px: 0.03, circle_floor_px: 0.03 }
+        Self { edge: 1.0, circle: 1.0, threshold: 1.0, bridged: 1.0, floor_px: 0.03, circle_floor_px: 0.03 }
     }
 }
 
@@ -51,20 +57,37 @@ pub struct Budget {
     pub circle: [f64; 6],
     /// Share of the threshold.
     pub threshold: [f64; 6],
-    /// Share of the floors.
-    pub floor: [f64; 6],
+    /// Share of what no component sees, for the surface.
+    pub model: [f64; 6],
+    /// The same for the circle.
+    pub rim: [f64; 6],
+    /// Share of bridged pieces.
+    pub bridged: [f64; 6],
     /// Share of a tilted camera.
     pub tilt: [f64; 6],
 }
 
 impl Budget {
+    /// Every component with its name.
+    #[must_use]
+    pub fn components(&self) -> [(&'static str, [f64; 6]); 7] {
+        [
+            ("edge", self.edge),
+            ("circle", self.circle),
+            ("threshold", self.threshold),
+            ("model", self.model),
+            ("rim", self.rim),
+            ("bridged", self.bridged),
+            ("tilt", self.tilt),
+        ]
+    }
+
     /// The shares added in squares.
     #[must_use]
     pub fn total(&self) -> [f64; 6] {
         std::array::from_fn(|k| {
-            [self.edge[k], self.circle[k], self.threshold[k], self.floor[k], self.tilt[k]]
-                .iter()
-                .map(|v| v * v)
+            self.components().iter()
+                .map(|(_, c)| c[k] * c[k])
                 .sum::<f64>()
                 .sqrt()
         })
@@ -134,14 +157,54 @@ pub fn budget(
     };
     let circle = circle_part(weights.circle * fit.center_sd_px, weights.circle * fit.radius_sd_px);
     let floor_circle = circle_part(weights.circle_floor_px, weights.circle_floor_px);
-    let floor_edge = add(&floor);
+    let bridged = bridges(curve, half).iter().fold([0.0; 6], |sum, &(a, b, bend)| {
+        // Where surface and wall meet at a small angle the end moves much one way and little the other.
+        let effects = [1.0, -1.0].map(|sign| {
+            let bend = sign * weights.bridged * bend / local.radius_px;
+            again(local, &move |u: f64| {
+                if a == b {
+                    // Beyond an end: a parabola from it.
+                    let d = if a < middle { a - u } else { u - a };
+                    0.5 * bend * d.max(0.0).powi(2)
+                } else if u > a && u < b {
+                    0.5 * bend * (u - a) * (b - u)
+                } else {
+                    0.0
+                }
+            })
+        });
+        let effect: [f64; 6] =
+            std::array::from_fn(|k| effects[0][k].abs().max(effects[1][k].abs()));
+        std::array::from_fn(|k| f64::hypot(sum[k], effect[k]))
+    });
     Budget {
         edge: add(&edge),
         circle,
         threshold: add(&threshold),
-        floor: std::array::from_fn(|k| floor_edge[k].hypot(floor_circle[k])),
+        model: add(&floor),
+        rim: floor_circle,
+        bridged,
         tilt: tilt_share(fit, nominal),
     }
+}
+
+/// Pieces without an edge: `(from, to, curvature in 1/R)`; `from == to` stands for what lies beyond an end.
+fn bridges(curve: &Curve, half: f64) -> Vec<(f64, f64, f64)> {
+    let held: Vec<f64> = curve
+        .u_px
+        .iter()
+        .zip(&curve.smoothed.weights)
+        .filter(|(_, w)| **w > 0.05)
+        .map(|(u, _)| *u)
+        .collect();
+    let (Some(&first), Some(&last)) = (held.first(), held.last()) else {
+        return Vec::new();
+    };
+    let mut pieces = vec![(first, first, 1.0), (last, last, 1.0)];
+    pieces.extend(
+        held.windows(2).filter(|p| p[1] - p[0] > 0.05 * half).map(|p| (p[0], p[1], 0.1)),
+    );
+    pieces
 }
 
 /// A rim that is elliptic beyond its noise turns lines by up to half the ellipticity (radians).

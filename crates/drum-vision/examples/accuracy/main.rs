@@ -18,8 +18,7 @@ fn main() {
     let size = (width, width * 2 / 3);
     let config = drum_vision::VisionConfig::default();
     let verbose = std::env::var_os("VERBOSE").is_some();
-    if let Some(k) = std::env::var("ONE").ok().and_then(|k| k.parse().ok()) { for make in [scenes::clean, scenes::degraded] { let c = make(k, size); let m = drum_vision::measure_frame(&c.frame, &config, drum_vision::Context::default()).unwrap(); let f = m.surface.points[0]; let l = *m.surface.points.last().unwrap(); let o = m.drum.fit.circle; println!("{:?}\n{:?} {:?} vis {}", c.truth, (f.0 + o.x_px, o.y_px - f.1), (l.0 + o.x_px, o.y_px - l.1), m.visible); } return; }
-    type Maker = fn(u64, (u32, u32)) -> scenes::Case;
+type Maker = fn(u64, (u32, u32)) -> scenes::Case;
     let makers: [(&str, Maker); 2] = [("clean", scenes::clean), ("degraded", scenes::degraded)];
     for (name, make) in makers {
         let all: Vec<Row> = (0..n)
@@ -34,7 +33,11 @@ fn main() {
                 (k, case.bed, o)
             })
             .collect();
-        report(name, &all, verbose);
+        if std::env::var_os("DUMP").is_some() {
+            dump(name, &all);
+        } else {
+            report(name, &all, verbose);
+        }
     }
 }
 
@@ -76,6 +79,20 @@ fn report(name: &str, all: &[Row], verbose: bool) {
         for r in worst.iter().take(15) {
             let o = r.2.as_ref().unwrap();
             println!("  frame {:4} fill {:.2} lin {:.1} s {:.1} curv {:+.2} {:?}: err {:.3?} u {:.3?} circle {:.3?}", r.0, r.1.fill, r.1.aor_lin_deg, r.1.s_shape_deg, r.1.curvature, r.1.raised, o.error, o.sd, o.circle);
+        }
+    }
+}
+
+/// Errors and components of the uncertainty, one row a frame and response, for fitting the weights.
+fn dump(name: &str, all: &[Row]) {
+    for (k, _, o) in all {
+        let Ok(o) = o else { continue };
+        for r in 0..4 {
+            print!("{name},{k},{r},{},{}", o.radius_px, o.error[r]);
+            for (_, c) in o.budget.components() {
+                print!(",{}", c[r]);
+            }
+            println!();
         }
     }
 }

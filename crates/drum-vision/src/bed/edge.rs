@@ -123,9 +123,15 @@ fn plausible(used: &[&Crossing], u: &[f64], v: &[f64], radius: f64) -> Vec<bool>
     let width = median(used.iter().filter_map(|p| p.width).collect());
     let contrast = median(used.iter().filter_map(|p| p.own_contrast).collect());
     let (from, to) = (u[0], u[u.len() - 1]);
+    // Where few edges are that soft, they are glare's; where many are, that is how this frame's edges look.
+    let soft_one = |p: &Crossing| p.width.is_none_or(|w| w > 1.5 * width + 0.3);
+    let some_soft = used.iter().filter(|p| soft_one(p)).count() * 4 < used.len();
     used.iter()
         .enumerate()
         .map(|(k, p)| {
+            if some_soft && soft_one(p) {
+                return false;
+            }
             let soft = p.width.is_none_or(|w| w > 1.35 * width + 0.3);
             let odd = p.own_contrast.is_some_and(|c| (c / contrast - 1.0).abs() > 0.3);
             let inner = (u[k] - from).min(to - u[k]) > 0.1 * (to - from);

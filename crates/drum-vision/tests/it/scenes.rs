@@ -61,6 +61,8 @@ pub(crate) struct Outcome {
     pub(crate) error: [f64; 4],
     pub(crate) sd: [f64; 4],
     pub(crate) circle: [f64; 3],
+    pub(crate) budget: drum_vision::uncertainty::Budget,
+    pub(crate) radius_px: f64,
 }
 
 pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, VisionError> {
@@ -73,6 +75,8 @@ pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, Vis
         error: std::array::from_fn(|k| four[k].value - truth[k]),
         sd: std::array::from_fn(|k| four[k].sd),
         circle: [c.x_px - t.center_x_px, c.y_px - t.center_y_px, c.radius_px - t.radius_px],
+        budget: m.budget,
+        radius_px: c.radius_px,
     })
 }
 
