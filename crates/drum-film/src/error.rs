@@ -16,6 +16,20 @@ pub enum Error {
         /// What would have been accepted.
         expected: &'static str,
     },
+    /// A parameter lies outside the range that its declaration states.
+    #[error("{path} = {value} {unit}: expected a value from {low} to {high}")]
+    OutsideDeclaredRange {
+        /// Path of the parameter.
+        path: &'static str,
+        /// The value given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// Lowest value accepted.
+        low: f64,
+        /// Highest value accepted.
+        high: f64,
+    },
     /// No parameter has this path.
     #[error("unknown parameter `{path}`; the nearest known one is `{nearest}`")]
     UnknownParameter {

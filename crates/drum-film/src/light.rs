@@ -1,4 +1,5 @@
-//! Light on a bead: ambient, diffuse (Lambert) and specular (Phong 1975, doi:10.1145/360825.360839) share, and a gradient over the picture.
+//! Light on a bead: ambient, diffuse (Lambert) and specular share (Phong 1975, doi:10.1145/360825.360839), and a gradient over
+//! the picture.
 
 use glam::DVec3;
 

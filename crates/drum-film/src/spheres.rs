@@ -70,7 +70,6 @@ pub fn between(from: &[Sphere], to: &[Sphere], steps: u32) -> Result<Vec<Vec<Sph
 
 /// A layer of drawn spheres: colour times coverage, and coverage, of each pixel.
 pub(crate) struct Layer {
-    pub(crate) width: usize,
     /// Red, green, blue (times coverage), coverage.
     pub(crate) pixels: Vec<[f32; 4]>,
 }
@@ -123,7 +122,7 @@ pub(crate) fn draw(view: &View, spheres: &[Sphere], paint: &Paint<'_>) -> Result
             }
         }
     });
-    Ok(Layer { width, pixels })
+    Ok(Layer { pixels })
 }
 
 fn place(view: &View, spheres: &[Sphere]) -> Result<Vec<Placed>, Error> {

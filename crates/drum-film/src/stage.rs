@@ -8,7 +8,7 @@ use crate::canvas::{Canvas, Color, mixed, scaled};
 use crate::effects::Exposure;
 use crate::light::Lamp;
 use crate::scene::{HubPart, Scene};
-use crate::texture::Texture;
+use crate::texture::{Texture, hash, unit};
 use crate::truth::rear_shrink;
 
 /// Steps from the front plate to the rear wall when looking for the free surface of an extruded bed.
@@ -285,7 +285,9 @@ impl<'a> Stage<'a> {
             let along = q.x * drum.radius_m * bed.shape.slope(0.0).hypot(1.0);
             return bed.texture.color(&self.lamp, DVec2::new(along, depth));
         }
-        bed.exposure.mean(|seconds| {
+        // Points of edge pixels lie on a lattice of 1/64 px and finer: each its own phase.
+        let phase = unit(hash(bed.texture.seed, (64.0 * u) as i64, (64.0 * v) as i64));
+        bed.exposure.mean(phase, |seconds| {
             let moved = bed.exposure.texture_origin(bed.shape, p, seconds);
             let world = DVec2::new(moved.x * bed.shape.raised().sign(), moved.y);
             bed.texture.color(&self.lamp, world * drum.radius_m)

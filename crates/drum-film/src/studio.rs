@@ -145,9 +145,7 @@ impl Studio {
     /// The empty drum.
     #[must_use]
     pub fn empty_frame(&self, index: u64) -> RgbImage {
-        let film = &self.film;
-        let stage = Stage::new(&film.scene, &self.view, film.light.lamp(), None);
-        self.develop(stage.draw(film.edge_samples), index)
+        self.develop(self.composed(&[]), index)
     }
 
     /// A reference picture in the manner of EDEM: the opaque drum's circle in the particles' colour on the background.
@@ -187,18 +185,22 @@ impl Studio {
     }
 
     fn sphere_canvas(&self, spheres: &[Sphere]) -> Result<Canvas, Error> {
-        let layer = self.layer(spheres)?;
+        Ok(self.composed(&self.layer(spheres)?.pixels))
+    }
+
+    /// A layer of spheres (or none) between what lies behind and ring and hub.
+    fn composed(&self, layer: &[[f32; 4]]) -> Canvas {
         let standing = self.standing.get_or_init(|| self.standing());
         let mut canvas = standing.behind.clone();
+        let width = self.view.width_px as usize;
         canvas.for_rows(|row, pixels| {
-            let from = row as usize * layer.width;
-            for (i, pixel) in pixels.iter_mut().enumerate() {
-                for over in [&layer.pixels[from + i], &standing.front[from + i]] {
+            for (i, pixel) in (row as usize * width..).zip(pixels) {
+                for over in [layer.get(i), standing.front.get(i)].into_iter().flatten() {
                     *pixel = laid_over(*pixel, over);
                 }
             }
         });
-        Ok(canvas)
+        canvas
     }
 
     fn standing(&self) -> Standing {

@@ -5,8 +5,11 @@
 //!   are correlated over a length taken from the residuals' autocorrelation (at least the particle's diameter where
 //!   known), so `n = span / length` of them count. Each Legendre shape `P_k` of the surface, k = 0 to 4, then has the
 //!   standard deviation `scatter sqrt((2 k + 1) / n)`;
+//! - **wander**: the same from the size of the shapes `P_6` to `P_13` of the edge itself, which real surfaces hardly have; grains and
+//!   uneven light do, and have as much of them in the shapes that count;
 //! - **circle**: standard uncertainty of centre and radius from the fit;
-//! - **threshold**: how far the curve moves when the level moves by a tenth of the contrast, for each of the same shapes;
+//! - **threshold**: how far the curve moves with the level, times the scatter of the level along the surface: powder and
+//!   uneven light change it in patches (0.35 of the radius counts as one), so that all shapes are touched;
 //! - **bridged**: pieces without an edge. Beyond the last edge at either end the curve goes on straight, and may bend by
 //!   a curvature of `1/R`; across an inner gap the spline may be off by a tenth of such an arc;
 //! - **model**: smooth faults that nothing of this shows (uneven grains at the edge, light), a floor for each shape
@@ -30,6 +33,8 @@ const SHAPES: usize = 5;
 pub struct Weights {
     /// On the scatter of the edge.
     pub edge: f64,
+    /// On the wander of the edge.
+    pub wander: f64,
     /// On centre and radius of the circle.
     pub circle: f64,
     /// On the threshold's effect.
@@ -44,7 +49,18 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { edge: 1.0, circle: 1.0, threshold: 1.0, bridged: 1.0, floor_px: 0.03, circle_floor_px: 0.03 }
+        // Fitted on 300 clean and 300 degraded frames of 484 x 322 pixels (tests/it/scenes.rs), all four responses
+        // at once, by the likelihood of Student's t with 5 degrees of freedom.
+        Self {
+            edge: 2.4,
+            wander: 0.3,
+            circle: 0.35,
+            threshold: 0.35,
+            bridged: 3.5,
+            floor_px: 0.012,
+            circle_floor_px: 0.048,
+        }
+    }
     }
 }
 
@@ -53,6 +69,8 @@ impl Default for Weights {
 pub struct Budget {
     /// Share of the edge's scatter.
     pub edge: [f64; 6],
+    /// Share of the edge's wander over lengths between grain and drum.
+    pub wander: [f64; 6],
     /// Share of the circle.
     pub circle: [f64; 6],
     /// Share of the threshold.
@@ -70,9 +88,10 @@ pub struct Budget {
 impl Budget {
     /// Every component with its name.
     #[must_use]
-    pub fn components(&self) -> [(&'static str, [f64; 6]); 7] {
+    pub fn components(&self) -> [(&'static str, [f64; 6]); 8] {
         [
             ("edge", self.edge),
+            ("wander", self.wander),
             ("circle", self.circle),
             ("threshold", self.threshold),
             ("model", self.model),
@@ -132,7 +151,11 @@ pub fn budget(
     let n = (2.0 * half * curve.visible / length).max(4.0);
     let edge: [f64; SHAPES] =
         std::array::from_fn(|k| weights.edge * scatter * ((2 * k + 1) as f64 / n).sqrt());
-    let threshold = level_shapes(curve, middle, half).map(|s| weights.threshold * s);
+    let density = weights.wander * wander_density(curve, middle, half);
+    let wander: [f64; SHAPES] = std::array::from_fn(|k| density * ((2 * k + 1) as f64).sqrt());
+    let patch = (0.35 * local.radius_px / (2.0 * half)).min(1.0);
+    let level = weights.threshold * level_density(curve) * patch.sqrt();
+    let threshold: [f64; SHAPES] = std::array::from_fn(|k| level * ((2 * k + 1) as f64).sqrt());
     // Shape k of unknown smooth faults: they fade for finer shapes.
     let floor: [f64; SHAPES] =
         std::array::from_fn(|k| weights.floor_px * (1.0 / (1 + k) as f64).sqrt());
@@ -179,6 +202,7 @@ pub fn budget(
     });
     Budget {
         edge: add(&edge),
+        wander: add(&wander),
         circle,
         threshold: add(&threshold),
         model: add(&floor),
@@ -245,31 +269,55 @@ fn correlation_length(curve: &Curve, radius_px: f64, config: &VisionConfig) -> f
     length.max(1.0)
 }
 
-/// Magnitude of each shape in the curve's shift for a tenth of the contrast.
-fn level_shapes(curve: &Curve, middle: f64, half: f64) -> [f64; SHAPES] {
-    let mut shapes = [0.0; SHAPES];
-    let mut n = 0.0;
-    for ((u, s), w) in curve.u_px.iter().zip(&curve.level_shift_px).zip(&curve.smoothed.weights) {
-        if s.is_nan() || *w <= 0.0 {
-            continue;
-        }
-        n += 1.0;
-        let t = ((u - middle) / half).clamp(-1.0, 1.0);
-        for (k, shape) in shapes.iter_mut().enumerate() {
-            *shape += (2 * k + 1) as f64 * legendre(k, t) * s;
-        }
-    }
-    shapes.map(|s| if n > 0.0 { (s / n).abs() } else { 0.0 })
+/// Shift of the curve for one standard deviation of the level, pixels.
+fn level_density(curve: &Curve) -> f64 {
+    let mut shifts: Vec<f64> =
+        curve.level_shift_px.iter().filter(|s| !s.is_nan()).map(|s| s.abs()).collect();
+    // The shifts are those for a tenth of the contrast.
+    10.0 * crate::statistics::median_in_place(&mut shifts).unwrap_or(0.0) * curve.level_scatter
 }
 
-/// Legendre polynomial of degree 0 to 4.
-fn legendre(k: usize, t: f64) -> f64 {
-    let s = t * t;
-    match k {
-        0 => 1.0,
-        1 => t,
-        2 => 1.5 * s - 0.5,
-        3 => t * (2.5 * s - 1.5),
-        _ => (35.0 * s * s - 30.0 * s + 3.0) / 8.0,
+/// Root of the mean of `c_k^2 / (2 k + 1)` over the Legendre coefficients 6 to 13 of the edge points, pixels.
+///
+/// For white noise of standard deviation `s` at `n` points it is `s / sqrt(n)`.
+fn wander_density(curve: &Curve, middle: f64, half: f64) -> f64 {
+    const N: usize = 14;
+    let mut normal = [[0.0; N]; N];
+    let mut right = [0.0; N];
+    let mut count = 0usize;
+    let points = curve.u_px.iter().zip(&curve.smoothed.residuals).zip(&curve.smoothed.weights);
+    for ((&u, &r), _) in points.filter(|(_, w)| **w > 0.05) {
+        let t = ((u - middle) / half).clamp(-1.0, 1.0);
+        let v = curve.smoothed.spline.value(u) + r;
+        let row: [f64; N] = std::array::from_fn(|k| legendre(k, t));
+        count += 1;
+        for i in 0..N {
+            right[i] += row[i] * v;
+            for j in 0..N {
+                normal[i][j] += row[i] * row[j];
+            }
+        }
     }
+    // Gaps leave some shapes undetermined: a slight pull to zero.
+    for (k, row) in normal.iter_mut().enumerate() {
+        row[k] += 1e-3 * count as f64 / (2 * k + 1) as f64;
+    }
+    let Some(c) = crate::linear::solve_normal(&normal, &right) else {
+        return 0.0;
+    };
+    let sum: f64 = (6..N).map(|k| c[k] * c[k] / (2 * k + 1) as f64).sum();
+    (sum / (N - 6) as f64).sqrt()
+}
+
+/// Legendre polynomial of degree `k`, by recurrence.
+fn legendre(k: usize, t: f64) -> f64 {
+    let (mut before, mut now) = (1.0, t);
+    if k == 0 {
+        return before;
+    }
+    for j in 1..k {
+        let j = j as f64;
+        (before, now) = (now, ((2.0 * j + 1.0) * t * now - j * before) / (j + 1.0));
+    }
+    now
 }

@@ -1,7 +1,7 @@
 //! Exposure: the shutter stays open while the bed moves, and the picture is the mean over that time.
 //!
-//! Sphere positions are averaged as frames ([`crate::Film::exposed`]). An analytic bed has a still outline, in which only its
-//! texture moves: a passive layer turns with the drum at rate w, and a flowing layer runs down the surface. Over the
+//! Sphere positions are averaged as frames ([`crate::Studio::exposed_frame`]). An analytic bed has a still outline, in which
+//! only its texture moves: a passive layer turns with the drum at rate w, and a flowing layer runs down the surface. Over the
 //! shutter's time the beads are smeared along these paths. The flowing layer's depth is a share of the
 //! radius and its speed at the surface a multiple of w R; both follow the two-layer picture of rolling beds
 //! (Rajchenbach 1990, doi:10.1103/PhysRevLett.65.2221), not a solution of the flow.
@@ -37,7 +37,7 @@ impl Default for Exposure {
         Self {
             seconds: 0.0,
             speed_rpm: 0.0,
-            sub_frames: 12,
+            sub_frames: 16,
             flowing_depth: 0.15,
             flowing_speed: 4.0,
         }
@@ -65,14 +65,16 @@ impl Exposure {
         self.seconds > 0.0 && self.speed_rpm > 0.0 && self.sub_frames > 1
     }
 
-    /// Mean of a colour over the shutter's time.
-    pub(crate) fn mean(&self, color: impl Fn(f64) -> Color) -> Color {
+    /// Mean of a colour over the shutter's time, at moments shifted by `phase` (0 to 1) of a step.
+    ///
+    /// A phase of its own for each pixel turns the copies of a bead that equal moments would leave into grain.
+    pub(crate) fn mean(&self, phase: f64, color: impl Fn(f64) -> Color) -> Color {
         if !self.moves() {
             return color(0.0);
         }
         let mut sum = [0.0_f32; 3];
         for i in 0..self.sub_frames {
-            let share = (f64::from(i) + 0.5) / f64::from(self.sub_frames);
+            let share = (f64::from(i) + phase) / f64::from(self.sub_frames);
             let c = color((share - 0.5) * self.seconds);
             for k in 0..3 {
                 sum[k] += c[k];

@@ -25,6 +25,8 @@ pub struct Curve {
     pub visible: f64,
     /// Half the change of `v` when the threshold moves by a tenth of the contrast either way, at every point.
     pub level_shift_px: Vec<f64>,
+    /// Standard deviation of the threshold along the surface (of the greys beside the edge), fraction of the contrast.
+    pub level_scatter: f64,
     /// Median contrast of bed and background at the edge, stretched grey levels, positive for a bright bed.
     pub contrast: f64,
     /// Median distance over which the grey rises from 20 % to 80 % of the contrast, pixels.
@@ -100,11 +102,23 @@ pub fn trace_edges(
             smoothed,
             visible,
             level_shift_px,
+            level_scatter: level_scatter(&used),
             contrast: median_in_place(&mut contrasts).unwrap_or(0.0),
             edge_width_px: median_in_place(&mut widths).unwrap_or(0.0),
         });
     }
     curve.ok_or_else(|| few(0))
+}
+
+/// Scatter of the half-way level along the surface over the contrast.
+fn level_scatter(used: &[&Crossing]) -> f64 {
+    let levels: Vec<f64> = used.iter().map(|p| p.level).collect();
+    let mut contrasts: Vec<f64> = used.iter().map(|p| p.contrast.abs()).collect();
+    let contrast = median_in_place(&mut contrasts).unwrap_or(0.0);
+    match crate::statistics::standard_deviation(&levels) {
+        Some(sd) if contrast > 0.0 => sd / contrast,
+        _ => 0.0,
+    }
 }
 
 /// Which crossings may belong to the bed.
@@ -172,6 +186,8 @@ struct Crossing {
     v: [Option<f64>; 3],
     contrast: f64,
     width: Option<f64>,
+    /// Half-way between the greys beside the edge.
+    level: f64,
     /// Contrast of the greys on the line itself, where both sides are seen.
     own_contrast: Option<f64>,
 }
@@ -266,11 +282,12 @@ fn crossings(
                     .collect();
                 median_in_place(&mut held)
             };
-            let mut out = Crossing { u: line.u, v: [None; 3], contrast: 0.0, width: None, own_contrast: None };
+            let mut out = Crossing { u: line.u, v: [None; 3], contrast: 0.0, width: None, level: 0.0, own_contrast: None };
             let (Some(a), Some(b)) = (level(&above), level(&below)) else {
                 return out;
             };
             out.contrast = b - a;
+            out.level = 0.5 * (a + b);
             out.own_contrast = above[i].zip(below[i]).map(|(p, q)| q - p);
             // Far less contrast than elsewhere, or the other way round: glare, or no edge.
             if out.contrast * global.signum() < 0.3 * global.abs() {
