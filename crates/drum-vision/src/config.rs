@@ -165,6 +165,8 @@ settings! {
         pub hub: f64 = 1.0 / 7.0,
         /// Least contrast of bed and background over the scatter within them.
         pub min_contrast: f64 = 1.5,
+        /// Least contrast of bed and background, grey levels of the frame.
+        pub min_contrast_levels: f64 = 12.0,
     }
 }
 
@@ -388,6 +390,7 @@ impl VisionConfig {
         }
         range("bed.hub", self.bed.hub, 0.0, 0.9)?;
         range("bed.min_contrast", self.bed.min_contrast, 0.0, 100.0)?;
+        range("bed.min_contrast_levels", self.bed.min_contrast_levels, 0.0, 255.0)?;
         range("surface.column_step_px", self.surface.column_step_px as f64, 1.0, 1000.0)?;
         range("surface.spline_pieces", self.surface.spline_pieces as f64, 4.0, 200.0)?;
         range("surface.min_visible", self.surface.min_visible, 0.0, 1.0)?;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::bed::boundary::trace;
+use crate::bed::boundary::{Boundary, trace};
 use crate::bed::columns::trace_columns;
 use crate::bed::edge::{Curve, trace_edges};
 use crate::bed::prepare::{Prepared, prepare};
@@ -203,6 +203,12 @@ pub fn measure_frame(
 
 fn trace_bed(prepared: &Prepared, config: &VisionConfig) -> Result<(Curve, bool), VisionError> {
     let line = split_line(prepared, config.bed.tone, config.bed.min_contrast)?;
+    // In grey levels of the frame, before the stretch.
+    let gain = 255.0 / f64::from(prepared.limits.1 - prepared.limits.0);
+    let contrast = (line.below - line.above).abs() / gain;
+    if contrast < config.bed.min_contrast_levels {
+        return Err(VisionError::NoContrast { contrast, noise: line.scatter / gain });
+    }
     let boundary = trace(prepared, &line);
     if boundary.fill < FILL_RANGE.0 {
         return Err(VisionError::EmptyDrum { fill: boundary.fill });
@@ -210,11 +216,32 @@ fn trace_bed(prepared: &Prepared, config: &VisionConfig) -> Result<(Curve, bool)
     if boundary.fill > FILL_RANGE.1 {
         return Err(VisionError::FullDrum { fill: boundary.fill });
     }
+    if follows_wall(&boundary, prepared.circle.radius_px) {
+        return Err(if boundary.fill < 0.5 {
+            VisionError::EmptyDrum { fill: boundary.fill }
+        } else {
+            VisionError::FullDrum { fill: boundary.fill }
+        });
+    }
     let curve = match config.surface.method {
         SurfaceMethod::SubPixel => trace_edges(prepared, &boundary, config)?,
         SurfaceMethod::Columns => trace_columns(prepared, &boundary, config)?,
     };
     Ok((curve, line.below > line.above))
+}
+
+/// Whether the boundary keeps one distance from the axis over more than half the diameter: then it is the tube's or
+/// the rear wall's edge in an empty or full drum, no free surface.
+fn follows_wall(boundary: &Boundary, radius_px: f64) -> bool {
+    let distances: Vec<f64> = boundary
+        .v_px
+        .iter()
+        .enumerate()
+        .filter_map(|(k, v)| v.map(|v| boundary.u_px(k).hypot(v) / radius_px))
+        .collect();
+    let quantile = |p| crate::statistics::quantile(&distances, p).unwrap_or(0.0);
+    let wide = distances.len() as f64 * boundary.step_px > radius_px;
+    wide && quantile(0.5) > 0.6 && quantile(0.9) - quantile(0.1) < 0.1
 }
 
 fn finish(

@@ -61,7 +61,6 @@ impl Default for Weights {
             circle_floor_px: 0.048,
         }
     }
-    }
 }
 
 /// Standard uncertainties of the responses, in the order and units of [`Responses`].

@@ -1,7 +1,8 @@
 //! Robust circle through edge points, and the check for an ellipse.
 //!
 //! The geometric fit minimises the biweight (Tukey, c = 4.685) of the radial residuals by Gauss-Newton steps;
-//! the scale is 1.4826 times their median modulus.
+//! the scale is 1.4826 times their median modulus. The first rounds minimise the sum of moduli instead, which
+//! brings a start a few pixels off to the majority of the points.
 
 use crate::linear::solve_normal;
 
@@ -47,6 +48,9 @@ impl CircleFit {
     }
 }
 
+/// Rounds that minimise the sum of moduli.
+const LEAST_MODULI: usize = 10;
+
 /// Fits a circle to points, starting from `start`; `rays` is the number of directions that were searched.
 ///
 /// `None` with fewer than 8 points, or when they do not determine a circle.
@@ -59,18 +63,23 @@ pub fn fit_circle(points: &[(f64, f64)], start: Circle, rays: usize) -> Option<C
     let mut residual = vec![0.0; points.len()];
     let mut weight = vec![1.0; points.len()];
     let mut scale = f64::INFINITY;
-    for round in 0..20 {
+    for round in 0..25 {
         for (r, p) in residual.iter_mut().zip(points) {
             *r = (p.0 - c.x_px).hypot(p.1 - c.y_px) - c.radius_px;
         }
         scale = (1.4826 * median_modulus(&residual)).max(0.02);
-        // The first rounds are generous, for the start may be a pixel or two off.
-        let cut = 4.685 * scale * if round < 3 { 3.0 } else { 1.0 };
+        let cut = 4.685 * scale;
         let mut normal = [[0.0; 3]; 3];
         let mut right = [0.0; 3];
         for ((p, &r), w) in points.iter().zip(&residual).zip(weight.iter_mut()) {
             let t = r / cut;
-            *w = if t.abs() < 1.0 { (1.0 - t * t).powi(2) } else { 0.0 };
+            *w = if round < LEAST_MODULI {
+                1.0 / r.abs().max(0.05)
+            } else if t.abs() < 1.0 {
+                (1.0 - t * t).powi(2)
+            } else {
+                0.0
+            };
             let d = (p.0 - c.x_px).hypot(p.1 - c.y_px).max(1e-9);
             let row = [(p.0 - c.x_px) / d, (p.1 - c.y_px) / d, 1.0];
             for i in 0..3 {
@@ -87,7 +96,7 @@ pub fn fit_circle(points: &[(f64, f64)], start: Circle, rays: usize) -> Option<C
         if !(c.radius_px.is_finite() && c.radius_px > 0.0) {
             return None;
         }
-        if round >= 4 && step.iter().all(|s| s.abs() < 1e-6) {
+        if round > LEAST_MODULI && step.iter().all(|s| s.abs() < 1e-6) {
             break;
         }
     }

@@ -1,5 +1,11 @@
 //! Synthetic frames over the whole range of beds, with known silhouettes; used by tests and by the accuracy example.
 
+#![allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "shared by tests and the accuracy example, which use different parts"
+)]
+
 use drum_film::effects::Spot;
 use drum_film::{Bed, Camera, Film, RaisedSide, Truth};
 use drum_vision::{Context, Frame, VisionConfig, VisionError, measure_frame};
