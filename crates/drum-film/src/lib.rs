@@ -4,7 +4,7 @@
 //! - [`Film`] holds [`Camera`], [`Scene`], [`Light`] and the [`effects`]; [`Film::studio`] sets them up for a series.
 //! - [`Studio::bed_frame`] draws an analytic [`Bed`] with stated responses and says in [`Truth`] what a perfect reader measures.
 //! - [`Studio::sphere_frame`] and [`Studio::exposed_frame`] draw [`Sphere`]s; [`Frames`] groups rows of positions.
-//! - [`parameters`] declares what can vary, [`Film::set`] varies it.
+//! - [`parameters()`] declares what can vary, [`Film::set`] varies it.
 //!
 //! Lengths are in metres, drum radii or pixels as the names say; pixel centres lie at whole numbers; grey levels are
 //! proportional to light. The same input gives the same bits for any number of threads.
