@@ -1,10 +1,11 @@
 //! One friction between the beads for four configurations: two walls, two fills.
 //!
-//! The data are the thesis's AZ1 and AZ2 as printed: 7807 and 10789 glass beads.
+//! The data are the thesis's AZ1 and AZ2, 7807 and 10789 glass beads, with the errata that are
+//! certain applied. Without them one misprinted angle of AZ2_Plexi drags the shared value along.
 #![expect(clippy::print_stdout, reason = "an example shows its results")]
 
 use calib::{JointMatch, JointMember, Study};
-use rig_schema::{Case, MeasuredTable, SimulatedTable};
+use rig_schema::{Case, Errata, ErrataLevel, MeasuredTable, SimulatedTable};
 
 fn fixture(path: &str) -> &'static str {
     tumble_fixtures::read(path).expect("is compiled in")
@@ -13,12 +14,18 @@ fn fixture(path: &str) -> &'static str {
 fn study(name: &str) -> Result<Study, Box<dyn std::error::Error>> {
     let file = format!("thesis/cases/{}.toml", name.to_lowercase());
     let case = Case::parse(&file, fixture(&file))?;
-    let file = format!("thesis/tables/experiment_{name}.csv");
-    let measured = MeasuredTable::parse(&file, fixture(&file))?;
+    let file = format!("experiment_{name}.csv");
+    let text = fixture(&format!("thesis/tables/{file}"));
+    let mut measured = MeasuredTable::parse(&file, text)?;
     let columns = Study::columns(&case)?;
     let factors: Vec<&str> = columns.iter().map(|(column, _)| column.as_str()).collect();
-    let file = format!("thesis/tables/edem_{name}.csv");
-    let simulated = SimulatedTable::parse(&file, fixture(&file), &factors)?;
+    let file = format!("edem_{name}.csv");
+    let text = fixture(&format!("thesis/tables/{file}"));
+    let mut simulated = SimulatedTable::parse(&file, text, &factors)?;
+    // Errata name tables by their file names.
+    let errata = Errata::parse("errata.csv", fixture("thesis/errata.csv"))?;
+    errata.apply_measured(&mut measured, ErrataLevel::Certain)?;
+    errata.apply_simulated(&mut simulated, ErrataLevel::Certain)?;
     Ok(Study::new(&case, &measured, simulated)?)
 }
 
