@@ -5,6 +5,8 @@ mod ci;
 mod reproduce;
 mod tidy;
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 
 /// House tasks of the workspace.
@@ -29,10 +31,17 @@ enum Task {
     },
 }
 
-fn main() -> anyhow::Result<()> {
-    match Xtask::parse().task {
+fn main() -> ExitCode {
+    let done = match Xtask::parse().task {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
         Task::Reproduce { json } => reproduce::run(json),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
     }
 }

@@ -52,3 +52,8 @@ pub use solids::{Ball, BiconvexTablet, FlatTablet, Solid};
 pub use sphere::Sphere;
 pub use tablet::{RingTablet, RingTabletSpec};
 pub use union::{DEFAULT_RELATIVE_TOLERANCE, UnionProperties, union_properties};
+
+/// The examples of the README, run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -51,6 +51,11 @@ impl Response {
         ["deg", "deg", "% R", "% R"][self.index()]
     }
 
+    /// Name for labels in a picture.
+    pub fn label(self) -> &'static str {
+        ["AoR whole", "AoR middle", "centre x", "centre y"][self.index()]
+    }
+
     /// Name for headings.
     pub fn title(self) -> &'static str {
         [

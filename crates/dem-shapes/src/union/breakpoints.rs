@@ -9,8 +9,12 @@ use glam::DVec3;
 
 use crate::sphere::Sphere;
 
-/// A point is hidden if it lies deeper in a sphere than this share of the radius.
-const HIDDEN: f64 = 1e-9;
+/// A point is hidden if it lies deeper in a sphere than this share of the radius. One that is less
+/// deep is not seen either, but what happens there still bends the arcs that are.
+const HIDDEN: f64 = 0.05;
+
+/// Largest ratio of the widths of neighbouring intervals, see [`graded`].
+const GRADING: f64 = 16.0;
 
 /// Heights nearer than this, in units of the largest radius, are one.
 const MERGED: f64 = 1e-13;
@@ -38,7 +42,30 @@ pub(crate) fn breakpoints(spheres: &[Sphere]) -> Vec<f64> {
     }
     heights.sort_unstable_by(f64::total_cmp);
     heights.dedup_by(|next, kept| *next - *kept <= MERGED * largest);
-    heights
+    graded(&heights)
+}
+
+/// The heights and others between them, so that no interval is much wider than its neighbours.
+///
+/// A change of pattern just beyond the end of a wide interval bends the integrand within it over a
+/// length no larger than the distance, which the points of a rule for the whole width would miss.
+fn graded(heights: &[f64]) -> Vec<f64> {
+    let mut all = heights.to_vec();
+    let mut from_below = |at: &[f64], sign: f64| {
+        for triple in at.windows(3) {
+            let (beside, width) = (triple[1] - triple[0], triple[2] - triple[1]);
+            let mut offset = beside * (GRADING - 1.0);
+            while (offset * GRADING).abs() < width.abs() {
+                all.push(sign * (triple[1] + offset));
+                offset *= GRADING;
+            }
+        }
+    };
+    from_below(heights, 1.0);
+    let mirrored: Vec<f64> = heights.iter().rev().map(|z| -z).collect();
+    from_below(&mirrored, -1.0);
+    all.sort_unstable_by(f64::total_cmp);
+    all
 }
 
 /// The circle in which two spheres meet.
@@ -71,14 +98,16 @@ fn push_if_seen(spheres: &[Sphere], point: DVec3, heights: &mut Vec<f64>) {
 }
 
 fn push_extremes(spheres: &[Sphere], meeting: &Meeting, heights: &mut Vec<f64>) {
-    let uphill = DVec3::Z - meeting.normal * meeting.normal.z;
+    let n = meeting.normal;
+    // The vertical less its part along the normal, without cancellation for level circles.
+    let uphill = DVec3::new(-n.x * n.z, -n.y * n.z, n.x * n.x + n.y * n.y);
     match uphill.try_normalize() {
-        Some(uphill) if meeting.normal.z.abs() < 1.0 - 1e-12 => {
+        Some(uphill) => {
             push_if_seen(spheres, meeting.center + meeting.radius * uphill, heights);
             push_if_seen(spheres, meeting.center - meeting.radius * uphill, heights);
         }
         // A level circle: it changes the pattern all at once, whatever part of it is seen.
-        _ => heights.push(meeting.center.z),
+        None => heights.push(meeting.center.z),
     }
 }
 

@@ -66,7 +66,7 @@ pub(crate) fn slice_moments(
     z: f64,
     scratch: &mut SliceScratch,
 ) -> SliceMoments {
-    keep_uncovered(discs, &mut scratch.kept);
+    keep_uncovered(discs, z, &mut scratch.kept);
     let kept = &scratch.kept;
     let covered = &mut scratch.covered;
     if covered.len() < kept.len() {
@@ -97,13 +97,14 @@ pub(crate) fn slice_moments(
 
 /// Largest first, without those that lie in one that was kept before: no cycle of near-equal discs
 /// can remove all of them.
-fn keep_uncovered(discs: &mut [Disc], kept: &mut Vec<Disc>) {
+fn keep_uncovered(discs: &mut [Disc], z: f64, kept: &mut Vec<Disc>) {
     discs.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     kept.clear();
     for disc in discs.iter().filter(|d| d.radius > 0.0) {
         let inside = kept.iter().any(|k| {
             let distance = f64::hypot(k.x - disc.x, k.y - disc.y);
-            distance + disc.radius <= k.radius * (1.0 + COINCIDENCE)
+            let room = k.squares_above(disc, z) / (k.radius + disc.radius);
+            distance <= room + k.radius * COINCIDENCE
         });
         if !inside {
             kept.push(*disc);

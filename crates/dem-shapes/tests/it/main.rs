@@ -1,5 +1,7 @@
 //! Integration tests of the shapes, through the public interface only.
 
+#![expect(clippy::unwrap_used, reason = "a test's helper fails its test by panicking")]
+
 mod aspherical;
 mod bad_input;
 mod clump;

@@ -378,7 +378,7 @@ fn maps(parts: &Parts<'_>) -> Vec<CalibrationMap> {
                     .as_ref()
                     .and_then(|m| m.items.iter().find(|o| o.response == r).copied());
                 MappedResponse {
-                    name: r.title().to_owned(),
+                    name: r.label().to_owned(),
                     unit: r.unit().to_owned(),
                     field: Grid { nx: MAP_NODES, ny: MAP_NODES, x_range, y_range, values },
                     measured: here.map(|o| o.mean),

@@ -1,0 +1,8 @@
+//! Claims about the frames, one module a subject.
+
+mod effects;
+mod files;
+mod independent;
+mod silhouette;
+mod spheres;
+mod truth;
