@@ -1,0 +1,359 @@
+//! The surface between pixels: where the grey level crosses, along lines across the coarse boundary.
+//!
+//! Every line is averaged with its neighbours along the curve. The greys of background and bed are
+//! taken beside the edge on that very piece of surface, so that glare, shade and powder that change both sides
+//! do not move the crossing; the threshold lies half-way (or at the frame's fixed or Otsu level).
+
+use super::boundary::{Boundary, TurnedAxes};
+use super::prepare::Prepared;
+use crate::config::{Threshold, VisionConfig};
+use crate::error::VisionError;
+use crate::filter::threshold::otsu;
+use crate::spline::{Smoothed, near_stiff_curve, smooth_weighted};
+use crate::statistics::median_in_place;
+
+/// The surface as a smoothed function `v(u)` in turned axes, in the plane's coordinates.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The axes.
+    pub axes: TurnedAxes,
+    /// Abscissae of the points used, pixels.
+    pub u_px: Vec<f64>,
+    /// The smoothed curve with weights and residuals of the points.
+    pub smoothed: Smoothed,
+    /// Fraction of the surface, outside of the hub, on which an edge was found and accepted.
+    pub visible: f64,
+    /// Half the change of `v` when the threshold moves by a tenth of the contrast either way, at every point.
+    pub level_shift_px: Vec<f64>,
+    /// Standard deviation of the threshold along the surface (of the greys beside the edge), fraction of the contrast.
+    pub level_scatter: f64,
+    /// Median contrast of bed and background at the edge, stretched grey levels, positive for a bright bed.
+    pub contrast: f64,
+    /// Median distance over which the grey rises from 20 % to 80 % of the contrast, pixels.
+    pub edge_width_px: f64,
+}
+
+/// Pieces of the stiff curve from which glare and drops are told.
+const STIFF_PIECES: usize = 3;
+/// Departure from the stiff curve that is always allowed, fraction of the radius.
+const STIFF_MARGIN: f64 = 0.012;
+
+/// Half-way, and a tenth of the contrast to either side.
+const SHIFTS: [f64; 3] = [0.0, -0.1, 0.1];
+
+/// Traces the sub-pixel surface about a coarse boundary.
+///
+/// # Errors
+/// [`VisionError::TooFewColumns`], [`VisionError::SurfaceHidden`], [`VisionError::SurfaceRagged`].
+pub fn trace_edges(
+    prepared: &Prepared,
+    boundary: &Boundary,
+    config: &VisionConfig,
+) -> Result<Curve, VisionError> {
+    let radius = prepared.circle.radius_px;
+    let (mut u, mut v) = (Vec::new(), Vec::new());
+    for (k, value) in boundary.v_px.iter().enumerate() {
+        let at = boundary.u_px(k);
+        if let Some(value) = value
+            && at.hypot(*value) > prepared.hub_px
+        {
+            u.push(at);
+            v.push(*value);
+        }
+    }
+    let pieces = |u: &[f64]| {
+        let span = u.last().zip(u.first()).map_or(0.0, |(b, a)| b - a);
+        ((config.surface.spline_pieces as f64 * span / (2.0 * radius)).round() as usize).max(4)
+    };
+    let few = |columns| VisionError::TooFewColumns { columns, needed: 16 };
+    let near = near_stiff_curve(&u, &v, STIFF_PIECES, STIFF_MARGIN * radius, 0.4);
+    let start = smooth_weighted(&u, &v, &near, pieces(&u)).ok_or_else(|| few(u.len()))?;
+    let mut curve: Option<Curve> = None;
+    for round in 0..2 {
+        let centre = curve.as_ref().map_or(&start, |c| &c.smoothed).spline.clone();
+        let lines = lines_across(prepared, boundary, &centre);
+        let points = crossings(prepared, boundary, config, &lines);
+        let used: Vec<&Crossing> = points.iter().filter(|p| p.v[0].is_some()).collect();
+        let found = used.len();
+        let (u, v): (Vec<f64>, Vec<f64>) =
+            used.iter().map(|p| (p.u, p.v[0].unwrap_or(0.0))).unzip();
+        if u.len() < 16 {
+            return Err(few(u.len()));
+        }
+        let near = plausible(&used, &u, &v, radius);
+        let smoothed = smooth_weighted(&u, &v, &near, pieces(&u)).ok_or_else(|| few(found))?;
+        let accepted = smoothed.weights.iter().filter(|w| **w > 0.1).count();
+        let visible = accepted as f64 / lines.len().max(1) as f64;
+        if round == 1 {
+            check(visible, &smoothed, radius, config)?;
+        }
+        let mut contrasts: Vec<f64> = used.iter().map(|p| p.contrast).collect();
+        let mut widths: Vec<f64> = used.iter().filter_map(|p| p.width).collect();
+        let level_shift_px = used
+            .iter()
+            .map(|p| match p.v {
+                [_, Some(a), Some(b)] => 0.5 * (b - a),
+                _ => f64::NAN,
+            })
+            .collect();
+        curve = Some(Curve {
+            axes: boundary.axes,
+            u_px: u,
+            smoothed,
+            visible,
+            level_shift_px,
+            level_scatter: level_scatter(&used),
+            contrast: median_in_place(&mut contrasts).unwrap_or(0.0),
+            edge_width_px: median_in_place(&mut widths).unwrap_or(0.0),
+        });
+    }
+    curve.ok_or_else(|| few(0))
+}
+
+/// Scatter of the half-way level along the surface over the contrast.
+fn level_scatter(used: &[&Crossing]) -> f64 {
+    let levels: Vec<f64> = used.iter().map(|p| p.level).collect();
+    let mut contrasts: Vec<f64> = used.iter().map(|p| p.contrast.abs()).collect();
+    let contrast = median_in_place(&mut contrasts).unwrap_or(0.0);
+    match crate::statistics::standard_deviation(&levels) {
+        Some(sd) if contrast > 0.0 => sd / contrast,
+        _ => 0.0,
+    }
+}
+
+/// Which crossings may belong to the bed.
+///
+/// Far from the stiff curve a crossing is believed only where its edge looks like the others: as sharp and with
+/// as much contrast on its own line. Glare has soft flanks; a surface that levels off at the wall has not. Inside of the
+/// middle 80 % three times that distance is never believed.
+fn plausible(used: &[&Crossing], u: &[f64], v: &[f64], radius: f64) -> Vec<bool> {
+    let margin = STIFF_MARGIN * radius;
+    let near = near_stiff_curve(u, v, STIFF_PIECES, margin, 0.4);
+    let nearer = near_stiff_curve(u, v, STIFF_PIECES, 3.0 * margin, 0.4);
+    let median = |values: Vec<f64>| {
+        let mut values = values;
+        median_in_place(&mut values).unwrap_or(0.0)
+    };
+    let width = median(used.iter().filter_map(|p| p.width).collect());
+    let contrast = median(used.iter().filter_map(|p| p.own_contrast).collect());
+    let (from, to) = (u[0], u[u.len() - 1]);
+    // Where few edges are that soft, they are glare's; where many are, that is how this frame's edges look.
+    let soft_one = |p: &Crossing| p.width.is_none_or(|w| w > 1.5 * width + 0.3);
+    let some_soft = used.iter().filter(|p| soft_one(p)).count() * 4 < used.len();
+    used.iter()
+        .enumerate()
+        .map(|(k, p)| {
+            if some_soft && soft_one(p) {
+                return false;
+            }
+            let soft = p.width.is_none_or(|w| w > 1.35 * width + 0.3);
+            let odd = p.own_contrast.is_some_and(|c| (c / contrast - 1.0).abs() > 0.3);
+            let inner = (u[k] - from).min(to - u[k]) > 0.1 * (to - from);
+            near[k] || (!(soft || odd) && (nearer[k] || !inner))
+        })
+        .collect()
+}
+
+/// Refuses a surface that is mostly hidden or too ragged.
+pub(crate) fn check(
+    visible: f64,
+    smoothed: &Smoothed,
+    radius: f64,
+    config: &VisionConfig,
+) -> Result<(), VisionError> {
+    let needed = config.surface.min_visible;
+    if visible < needed {
+        return Err(VisionError::SurfaceHidden { visible, needed });
+    }
+    let limit_px = (config.surface.max_scatter * radius).max(1.5);
+    if smoothed.scatter > limit_px {
+        return Err(VisionError::SurfaceRagged { scatter_px: smoothed.scatter, limit_px });
+    }
+    Ok(())
+}
+
+/// Grey along one line across the surface.
+struct Line {
+    u: f64,
+    centre: f64,
+    grey: Vec<f64>,
+    slope: f64,
+}
+
+struct Crossing {
+    u: f64,
+    /// At the threshold and at its two neighbours.
+    v: [Option<f64>; 3],
+    contrast: f64,
+    width: Option<f64>,
+    /// Half-way between the greys beside the edge.
+    level: f64,
+    /// Contrast of the greys on the line itself, where both sides are seen.
+    own_contrast: Option<f64>,
+}
+
+/// Spacing of the samples on a line, pixels.
+const SPACING: f64 = 0.5;
+
+fn half_length(radius: f64) -> f64 {
+    (0.06 * radius).max(8.0)
+}
+
+fn lines_across(
+    prepared: &Prepared,
+    boundary: &Boundary,
+    centre: &crate::spline::Spline,
+) -> Vec<Line> {
+    let radius = prepared.circle.radius_px;
+    let step = (radius / 300.0).max(1.0);
+    let n = (half_length(radius) / SPACING).round() as isize;
+    let rim = radius - (0.012 * radius).max(3.0);
+    let count = (2.0 * radius / step).floor() as usize;
+    let mut lines = Vec::new();
+    // Beyond the coarse curve's ends the tangent may be followed a little.
+    let (from, to) = centre.range();
+    let spare = 0.08 * radius;
+    for k in 0..=count {
+        let u = -radius + step * k as f64;
+        if u < from - spare || u > to + spare {
+            continue;
+        }
+        let v = centre.value(u);
+        let r = u.hypot(v);
+        if r > rim || (prepared.hub_px > 0.0 && r < prepared.hub_px + 2.0) {
+            continue;
+        }
+        let grey = (-n..=n)
+            .map(|j| {
+                let v = v + j as f64 * SPACING;
+                let r = u.hypot(v);
+                if r > rim || (prepared.hub_px > 0.0 && r < prepared.hub_px) {
+                    return f64::NAN;
+                }
+                let (x, y) = boundary.axes.to_picture(u, v);
+                if prepared.is_hidden(x, y) { f64::NAN } else { prepared.plane.sample(x, y) }
+            })
+            .collect();
+        lines.push(Line { u, centre: v, grey, slope: centre.slope(u) });
+    }
+    lines
+}
+
+fn crossings(
+    prepared: &Prepared,
+    boundary: &Boundary,
+    config: &VisionConfig,
+    lines: &[Line],
+) -> Vec<Crossing> {
+    let radius = prepared.circle.radius_px;
+    let step = (radius / 300.0).max(1.0);
+    let reach = ((0.008 * radius / step).round() as usize).max(1);
+    let wide = ((0.1 * radius / step).round() as usize).max(4);
+    let n = lines.first().map_or(0, |l| l.grey.len());
+    // Greys beside the edge, from the outer part of each line.
+    let zone = (n as f64 * 0.28) as usize;
+    let side_level = |line: &Line, range: std::ops::Range<usize>| {
+        let mut held: Vec<f64> = line.grey[range].iter().copied().filter(|g| !g.is_nan()).collect();
+        if held.len() * 3 < zone { None } else { median_in_place(&mut held) }
+    };
+    let above: Vec<Option<f64>> = lines.iter().map(|l| side_level(l, 0..zone)).collect();
+    let below: Vec<Option<f64>> = lines.iter().map(|l| side_level(l, n - zone..n)).collect();
+    let global = boundary.levels[1][0] - boundary.levels[0][0];
+    let fixed = match config.bed.threshold {
+        Threshold::LocalContrast => None,
+        Threshold::Otsu => otsu(&prepared.histogram).map(|v| f64::from(v) + 0.5),
+        Threshold::Fixed { level } => Some(level),
+    };
+    let bias = config.measure.threshold_bias;
+    lines
+        .iter()
+        .enumerate()
+        .map(|(i, line)| {
+            let near = lines[i.saturating_sub(wide)..(i + wide + 1).min(lines.len())]
+                .iter()
+                .map(|l| (l.u - line.u).abs() <= (wide as f64 + 0.5) * step);
+            let level = |side: &[Option<f64>]| {
+                let mut held: Vec<f64> = side
+                    [i.saturating_sub(wide)..(i + wide + 1).min(side.len())]
+                    .iter()
+                    .zip(near.clone())
+                    .filter(|(_, close)| *close)
+                    .filter_map(|(v, _)| *v)
+                    .collect();
+                median_in_place(&mut held)
+            };
+            let mut out = Crossing { u: line.u, v: [None; 3], contrast: 0.0, width: None, level: 0.0, own_contrast: None };
+            let (Some(a), Some(b)) = (level(&above), level(&below)) else {
+                return out;
+            };
+            out.contrast = b - a;
+            out.level = 0.5 * (a + b);
+            out.own_contrast = above[i].zip(below[i]).map(|(p, q)| q - p);
+            // Far less contrast than elsewhere, or the other way round: glare, or no edge.
+            if out.contrast * global.signum() < 0.3 * global.abs() {
+                return out;
+            }
+            // The lines that follow one another with no gap, averaged along the curve.
+            let profile: Vec<f64> = (0..n)
+                .map(|j| {
+                    let (mut sum, mut count) = (0.0, 0.0);
+                    for l in &lines[i.saturating_sub(reach)..(i + reach + 1).min(lines.len())] {
+                        if (l.u - line.u).abs() <= (reach as f64 + 0.5) * step
+                            && !l.grey[j].is_nan()
+                        {
+                            sum += l.grey[j];
+                            count += 1.0;
+                        }
+                    }
+                    if count > 0.0 { (sum / count - a) / (b - a) } else { f64::NAN }
+                })
+                .collect();
+            let Some(split) = best_split(&profile) else {
+                return out;
+            };
+            let place = |threshold: f64| {
+                nearest_crossing(&profile, split, threshold)
+                    .map(|j| line.centre + (j - (n / 2) as f64) * SPACING)
+            };
+            for (v, shift) in out.v.iter_mut().zip(SHIFTS) {
+                let threshold = fixed.map_or(0.5, |f| (f - a) / (b - a)) + bias + shift;
+                *v = if (0.02..=0.98).contains(&threshold) { place(threshold) } else { None };
+            }
+            let cos = 1.0 / line.slope.hypot(1.0);
+            out.width = place(0.2).zip(place(0.8)).map(|(p, q)| (q - p).abs() * cos);
+            out
+        })
+        .collect()
+}
+
+/// The index that parts a normalised profile into zeros and ones with the least squared misfit.
+fn best_split(profile: &[f64]) -> Option<f64> {
+    let mut cost = 0.0;
+    let mut best: Option<(f64, usize)> = None;
+    for (j, p) in profile.iter().enumerate() {
+        if best.is_none_or(|(c, _)| cost < c) {
+            best = Some((cost, j));
+        }
+        if !p.is_nan() {
+            let s = p.clamp(0.0, 1.0);
+            cost += s * s - (1.0 - s) * (1.0 - s);
+        }
+    }
+    let (value, j) = best?;
+    // At either end the profile shows one side only.
+    (j > 1 && j + 2 < profile.len() && value < cost.min(0.0) + 1e-12).then_some(j as f64 - 0.5)
+}
+
+/// The upward crossing of a threshold nearest to an index, linear between samples.
+fn nearest_crossing(profile: &[f64], near: f64, threshold: f64) -> Option<f64> {
+    let mut best: Option<f64> = None;
+    for (j, pair) in profile.windows(2).enumerate() {
+        if pair[0] < threshold && pair[1] >= threshold {
+            let at = j as f64 + (threshold - pair[0]) / (pair[1] - pair[0]);
+            if best.is_none_or(|b| (at - near).abs() < (b - near).abs()) {
+                best = Some(at);
+            }
+        }
+    }
+    best
+}

@@ -1,0 +1,8 @@
+//! From a drum's circle to the bed's free surface.
+
+pub mod boundary;
+pub mod columns;
+pub mod edge;
+pub mod prepare;
+pub mod region;
+pub mod split;

@@ -1,0 +1,212 @@
+//! Circular Hough transform with the radius coded in the phase of one complex accumulator.
+//!
+//! Every edge pixel votes along its gradient for centres at all radii of the range; the vote for radius `r` is
+//! `exp(i phi(r)) / r` with `phi = 2 pi (ln r - ln r_min) / (ln r_max - ln r_min)`. Votes for one circle arrive
+//! with one phase and add up, others cancel; the phase at the peak tells the radius
+//! (T. J. Atherton, D. J. Kerbyson, Image Vis. Comput. 17 (1999) 795, doi:10.1016/S0262-8856(98)00160-7).
+//! MATLAB's `imfindcircles` uses the same method.
+
+use crate::filter::gradient::sobel;
+use crate::frame::Plane;
+
+/// Which way the gradient points on the circle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contrast {
+    /// Outwards: the disc is darker than its surroundings.
+    DarkDisc,
+    /// Inwards: the disc is lighter.
+    LightDisc,
+}
+
+/// A circle as the transform sees it, in pixels of the plane searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoughCircle {
+    /// Centre column.
+    pub x: f64,
+    /// Centre row.
+    pub y: f64,
+    /// Radius.
+    pub radius: f64,
+    /// Fraction of 180 sectors of the circumference with an edge pixel within one and a half pixels whose
+    /// gradient points along the radius.
+    pub support: f64,
+    /// Sense of the gradient.
+    pub contrast: Contrast,
+}
+
+/// An edge pixel: position, unit gradient and its strength.
+struct EdgePixel {
+    x: f64,
+    y: f64,
+    nx: f64,
+    ny: f64,
+}
+
+/// Circles with a radius in `range`, strongest first, at most `count` of them with different centres.
+///
+/// `edge_fraction` is the least gradient of an edge pixel over the largest gradient of the plane.
+#[must_use]
+pub fn find_circles(
+    plane: &Plane,
+    range: (f64, f64),
+    contrast: Contrast,
+    edge_fraction: f64,
+    count: usize,
+) -> Vec<HoughCircle> {
+    let edges = edge_pixels(plane, edge_fraction);
+    let (r_min, r_max) = range;
+    if edges.len() < 16 || r_min < 2.0 || r_max <= r_min {
+        return Vec::new();
+    }
+    let sign = match contrast {
+        Contrast::DarkDisc => -1.0,
+        Contrast::LightDisc => 1.0,
+    };
+    let (w, h) = (plane.width, plane.height);
+    let (mut re, mut im) = (vec![0.0f64; w * h], vec![0.0f64; w * h]);
+    let steps = ((r_max - r_min) / 0.5).ceil().max(1.0) as usize;
+    let code: Vec<(f64, f64, f64)> = (0..=steps)
+        .map(|k| {
+            let r = r_min + (r_max - r_min) * k as f64 / steps as f64;
+            let phi = std::f64::consts::TAU * (r / r_min).ln() / (r_max / r_min).ln();
+            (r, phi.cos() / r, phi.sin() / r)
+        })
+        .collect();
+    for e in &edges {
+        for &(r, c, s) in &code {
+            let (x, y) = (e.x + sign * r * e.nx + 0.5, e.y + sign * r * e.ny + 0.5);
+            if x >= 0.0 && y >= 0.0 && (x as usize) < w && (y as usize) < h {
+                let k = y as usize * w + x as usize;
+                re[k] += c;
+                im[k] += s;
+            }
+        }
+    }
+    let power = blurred_power(&re, &im, w, h);
+    let mut found: Vec<HoughCircle> = Vec::new();
+    let mut peaks: Vec<usize> = (0..power.len()).filter(|&k| is_peak(&power, w, h, k)).collect();
+    peaks.sort_by(|&a, &b| power[b].total_cmp(&power[a]).then(a.cmp(&b)));
+    for &k in peaks.iter().take(8 * count) {
+        if power[k] < 0.05 * power[peaks[0]] || found.len() >= count {
+            break;
+        }
+        let (x, y) = ((k % w) as f64, (k / w) as f64);
+        if found.iter().any(|c| (c.x - x).hypot(c.y - y) < 0.15 * r_min) {
+            continue;
+        }
+        if let Some(circle) = radius_at(&edges, x, y, range, contrast) {
+            found.push(circle);
+        }
+    }
+    found.sort_by(|a, b| b.support.total_cmp(&a.support));
+    found
+}
+
+fn edge_pixels(plane: &Plane, edge_fraction: f64) -> Vec<EdgePixel> {
+    let (gx, gy) = sobel(plane);
+    let strength: Vec<f32> =
+        gx.data.iter().zip(&gy.data).map(|(a, b)| (a * a + b * b).sqrt()).collect();
+    let top = strength.iter().fold(0.0f32, |a, &b| a.max(b));
+    let least = (top * edge_fraction as f32).max(0.5);
+    let mut edges = Vec::new();
+    for (k, &s) in strength.iter().enumerate() {
+        if s > least {
+            edges.push(EdgePixel {
+                x: (k % plane.width) as f64,
+                y: (k / plane.width) as f64,
+                nx: f64::from(gx.data[k] / s),
+                ny: f64::from(gy.data[k] / s),
+            });
+        }
+    }
+    edges
+}
+
+/// Squared modulus of the accumulator after a 5 x 5 binomial blur.
+fn blurred_power(re: &[f64], im: &[f64], w: usize, h: usize) -> Vec<f64> {
+    let blur = |a: &[f64]| {
+        let mut rows = vec![0.0; a.len()];
+        let kernel = [1.0, 4.0, 6.0, 4.0, 1.0];
+        for y in 0..h {
+            for x in 0..w {
+                rows[y * w + x] = (0..5)
+                    .filter(|&d| (2..w + 2).contains(&(x + d)))
+                    .map(|d| kernel[d] * a[y * w + x + d - 2])
+                    .sum();
+            }
+        }
+        let mut out = vec![0.0; a.len()];
+        for y in 0..h {
+            for d in (0..5).filter(|&d| (2..h + 2).contains(&(y + d))) {
+                for x in 0..w {
+                    out[y * w + x] += kernel[d] * rows[(y + d - 2) * w + x];
+                }
+            }
+        }
+        out
+    };
+    blur(re).iter().zip(blur(im)).map(|(a, b)| a * a + b * b).collect()
+}
+
+fn is_peak(power: &[f64], w: usize, h: usize, k: usize) -> bool {
+    let (x, y) = (k % w, k / w);
+    power[k] > 0.0
+        && (y.saturating_sub(1)..(y + 2).min(h)).all(|yy| {
+            (x.saturating_sub(1)..(x + 2).min(w)).all(|xx| {
+                let j = yy * w + xx;
+                power[j] < power[k] || (power[j] == power[k] && j >= k)
+            })
+        })
+}
+
+/// The radius about a centre: of the radii with at least 0.85 of the best support the smallest, refined by the
+/// mean distance of its edge pixels; the centre is shifted to the mean of theirs.
+fn radius_at(
+    edges: &[EdgePixel],
+    x: f64,
+    y: f64,
+    range: (f64, f64),
+    contrast: Contrast,
+) -> Option<HoughCircle> {
+    const SECTORS: usize = 180;
+    let bins = (range.1 - range.0).ceil() as usize + 1;
+    let sign = if contrast == Contrast::DarkDisc { 1.0 } else { -1.0 };
+    let mut seen = vec![[false; SECTORS]; bins];
+    let mut near: Vec<(f64, usize)> = Vec::new();
+    for e in edges {
+        let (dx, dy) = (e.x - x, e.y - y);
+        let r = dx.hypot(dy);
+        if r < range.0 - 1.0 || r > range.1 + 1.0 || sign * (e.nx * dx + e.ny * dy) < 0.85 * r {
+            continue;
+        }
+        let turn = (dy.atan2(dx) / std::f64::consts::TAU + 1.0).fract();
+        let sector = ((turn * SECTORS as f64) as usize).min(SECTORS - 1);
+        near.push((r, sector));
+        let b = r - range.0;
+        for (k, bin) in seen.iter_mut().enumerate() {
+            if (k as f64 - b).abs() <= 1.5 {
+                bin[sector] = true;
+            }
+        }
+    }
+    let support: Vec<f64> =
+        seen.iter().map(|s| s.iter().filter(|&&b| b).count() as f64 / SECTORS as f64).collect();
+    let best = support.iter().fold(0.0f64, |a, &b| a.max(b));
+    if best <= 0.0 {
+        return None;
+    }
+    let first = support.iter().position(|&s| s >= 0.85 * best)?;
+    // The crest of that group of radii.
+    let mut k = first;
+    while k + 1 < bins && support[k + 1] >= support[k] {
+        k += 1;
+    }
+    let coarse = range.0 + k as f64;
+    let (mut sum, mut n) = (0.0, 0.0);
+    for &(r, _) in near.iter().filter(|(r, _)| (r - coarse).abs() <= 2.0) {
+        sum += r;
+        n += 1.0;
+    }
+    let radius = if n > 0.0 { sum / n } else { coarse };
+    Some(HoughCircle { x, y, radius, support: support[k], contrast })
+}
