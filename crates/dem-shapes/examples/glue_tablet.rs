@@ -25,7 +25,8 @@ fn main() -> Result<(), ShapeError> {
     let glued = spec.build()?;
     let clump = glued.clump(ClumpMass::Total(0.225e-3))?; // kg, as weighed
     println!("ring {:.3} mm, density {:.0} kg/m3", spec.ring_radius * 1e3, clump.density());
-    println!("principal moments {:.3e} kg m2", clump.principal_moments);
+    let moments = clump.principal_moments * 1e9; // kg m2 to g mm2
+    println!("principal moments {moments:.3} g mm2");
     // ANCHOR_END: clump
 
     // ANCHOR: fidelity
