@@ -57,7 +57,3 @@ pub use union::{DEFAULT_RELATIVE_TOLERANCE, UnionProperties, union_properties};
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
