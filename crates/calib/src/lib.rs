@@ -46,3 +46,7 @@ pub use sensitivity::{M0, N_EFF, Sensitivity};
 pub use simulator::{Predicted, Simulator};
 pub use study::{ResponseSet, Study};
 pub use surrogate::{Basis, Surrogate};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

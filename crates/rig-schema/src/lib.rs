@@ -54,3 +54,7 @@ pub use rig::{
 };
 pub use settings::Settings;
 pub use table::{Cell, MeasuredRow, MeasuredTable, SimulatedRow, SimulatedTable};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
