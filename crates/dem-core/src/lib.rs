@@ -2,4 +2,22 @@
 
 pub use glam;
 
+pub mod body_force;
+pub mod builder;
 pub mod contact;
+pub mod energy;
+pub mod error;
+mod faults;
+mod forces;
+pub mod geometry;
+pub mod integrate;
+mod list;
+pub mod material;
+mod neighbour;
+pub mod particles;
+pub mod prelude;
+pub mod rigid;
+pub mod snapshot;
+mod step;
+mod threads;
+pub mod world;

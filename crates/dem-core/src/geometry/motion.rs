@@ -71,7 +71,7 @@ impl Pose {
         self.rotation.conjugate() * (p - self.translation)
     }
 
-    fn then(&self, later: &Pose) -> Pose {
+    pub(crate) fn then(&self, later: &Pose) -> Pose {
         Pose {
             rotation: (later.rotation * self.rotation).normalize(),
             translation: later.rotation * self.translation + later.translation,
