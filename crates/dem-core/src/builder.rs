@@ -1,5 +1,8 @@
 //! Building a world: every number is checked before the first step.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::body_force::{Drag, Gravity};
@@ -8,9 +11,13 @@ use crate::contact::law::Memory;
 use crate::contact::model::ContactLaw;
 use crate::error::{Error, finite, positive};
 use crate::forces::MAX_SLOTS;
+use crate::gap_force::GapForce;
 use crate::geometry::{MotionState, PlacedWall, Wall};
 use crate::integrate::{Integrator, VelocityVerlet};
 use crate::material::{Material, MaterialId, PairTable};
+use crate::noncontact::NonContactForce;
+use crate::timestep::{hertz_time, rayleigh_time};
+use crate::contact::elasticity::Elasticity;
 use crate::neighbour::Period;
 use crate::particles::{ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
@@ -77,6 +84,9 @@ pub struct WorldBuilder<M> {
     threads: usize,
     overlap_limit: f64,
     time_step_fraction: Option<f64>,
+    impact_speed: Option<f64>,
+    gap_forces: Vec<Arc<dyn GapForce>>,
+    charges: BTreeMap<u32, f64>,
 }
 
 impl<M: ContactLaw + 'static> WorldBuilder<M> {
@@ -97,6 +107,9 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             threads: 1,
             overlap_limit: 0.5,
             time_step_fraction: Some(1.0),
+            impact_speed: None,
+            gap_forces: Vec::new(),
+            charges: BTreeMap::new(),
         }
     }
 
@@ -109,6 +122,23 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
     /// Set the contact law between two materials (in both orders; a later one replaces).
     pub fn pair_law(&mut self, a: MaterialId, b: MaterialId, law: M) -> &mut Self {
         self.laws.push((a, b, law));
+        self
+    }
+
+    /// Let a non-contact force act between the materials that have a law in `table`.
+    ///
+    /// Several forces add up. A wall takes part as a material with an infinite radius.
+    pub fn non_contact<F>(&mut self, table: PairTable<F>) -> &mut Self
+    where
+        F: NonContactForce + std::fmt::Debug + 'static,
+    {
+        self.gap_forces.push(Arc::new(table));
+        self
+    }
+
+    /// Give a particle an electric charge, C (0 unless given).
+    pub fn charge(&mut self, particle: ParticleId, coulombs: f64) -> &mut Self {
+        self.charges.insert(particle.0, coulombs);
         self
     }
 
@@ -190,6 +220,13 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         self
     }
 
+    /// Speed (m/s) of the fastest impacts that are expected: the time step must then be at most a
+    /// quarter of the duration of such a Hertz impact of the smallest spheres.
+    pub fn impact_speed(&mut self, speed: f64) -> &mut Self {
+        self.impact_speed = Some(speed);
+        self
+    }
+
     /// Accept any time step.
     pub fn allow_large_time_step(&mut self) -> &mut Self {
         self.time_step_fraction = None;
@@ -248,9 +285,19 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         let laws = self.dense_laws(&state, &walls)?;
         self.check_time_step(smallest)?;
         let neck = self.largest_neck(&laws, largest, smallest, &state);
+        let range = neck.max(self.largest_range(largest, smallest, &state));
+        let slots = <M::Memory as Memory>::SLOTS
+            + self.gap_forces.iter().map(|f| f.slots()).sum::<usize>();
+        if slots > MAX_SLOTS {
+            return Err(Error::Parameter {
+                name: "numbers remembered by a contact",
+                value: slots as f64,
+                expected: "at most 48",
+            });
+        }
         let bounding = state.bodies.position.iter().map(|p| p.w).fold(0.0, f64::max);
         if let Some(p) = period {
-            let least = 2.0 * (2.0 * bounding + skin + neck);
+            let least = 2.0 * (2.0 * bounding + skin + range);
             if p.length < least {
                 return Err(Error::PeriodTooShort { length: p.length, least });
             }
@@ -275,6 +322,9 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 shapes: self.shapes.clone(),
                 skin,
                 neck,
+                range,
+                gap_forces: self.gap_forces.clone(),
+                slots: slots.max(1),
                 overlap_limit: self.overlap_limit,
                 turning_wall,
             },
@@ -358,6 +408,9 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                     b.push(c.position, radius, c.velocity, shape.mass, c.spin, 0.0, shape.material)
                 }
             };
+            if let Some(&charge) = self.charges.get(&id.0) {
+                state.bodies.end_velocity[id.0 as usize].w = charge;
+            }
             let position = state.bodies.position[id.0 as usize].vector();
             let inside = position.cmpge(domain[0]).all() && position.cmple(domain[1]).all();
             if !inside {
@@ -377,14 +430,6 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         let mut table = PairTable::new(n);
         for (a, b, law) in &self.laws {
             table.set(*a, *b, *law)?;
-        }
-        let slots = <M::Memory as Memory>::SLOTS;
-        if slots > MAX_SLOTS {
-            return Err(Error::Parameter {
-                name: "numbers remembered by a contact",
-                value: slots as f64,
-                expected: "at most 48",
-            });
         }
         let mut of_particles: Vec<MaterialId> =
             state.bodies.mean_spin.iter().map(|s| MaterialId(s.w as u16)).collect();
@@ -414,17 +459,23 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         if !smallest.is_finite() {
             return Ok(());
         }
-        let used = self.materials.iter();
-        let limit = used
-            .map(|m| rayleigh_time(smallest, m.density, m.shear_modulus(), m.poisson_ratio))
-            .fold(f64::INFINITY, f64::min);
-        if self.dt > fraction * limit {
-            return Err(Error::TimeStepTooLarge {
-                time_step: self.dt,
-                fraction,
-                limit,
-                criterion: "Rayleigh",
-            });
+        let refuse = |fraction, limit, criterion| {
+            if self.dt > fraction * limit {
+                let time_step = self.dt;
+                return Err(Error::TimeStepTooLarge { time_step, fraction, limit, criterion });
+            }
+            Ok(())
+        };
+        for m in &self.materials {
+            let elasticity = Elasticity::new(m.youngs_modulus, m.poisson_ratio)?;
+            refuse(fraction, rayleigh_time(smallest, m.density, &elasticity), "Rayleigh")?;
+            if let Some(speed) = self.impact_speed {
+                positive("impact speed (m/s)", speed)?;
+                let e_star = m.youngs_modulus / (2.0 * (1.0 - m.poisson_ratio.powi(2)));
+                let mass = m.density * 4.0 / 3.0 * std::f64::consts::PI * smallest.powi(3);
+                let time = hertz_time(e_star, 0.5 * smallest, 0.5 * mass, speed);
+                refuse(0.25, time, "Hertz collision")?;
+            }
         }
         Ok(())
     }
@@ -448,10 +499,23 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         // its first power.
         if self.walls.is_empty() { neck } else { 1.5 * neck }
     }
-}
 
-/// Time of a Rayleigh wave across a sphere, s.
-fn rayleigh_time(radius: f64, density: f64, shear_modulus: f64, poisson_ratio: f64) -> f64 {
-    std::f64::consts::PI * radius * (density / shear_modulus).sqrt()
-        / (0.1631 * poisson_ratio + 0.8766)
+    fn largest_range(&self, largest: f64, smallest: f64, state: &State) -> f64 {
+        let ids = 0..self.materials.len() as u16;
+        let mass = state.bodies.velocity.iter().map(|v| v.w).fold(f64::INFINITY, f64::min);
+        let mut range = 0.0f64;
+        for force in &self.gap_forces {
+            for (a, b) in ids.clone().flat_map(|a| ids.clone().map(move |b| (a, b))) {
+                for (i, j) in
+                    [(largest, largest), (largest, smallest), (smallest, smallest), (largest, f64::INFINITY)]
+                {
+                    let r_star = if j.is_finite() { i * j / (i + j) } else { i };
+                    let pair = PairGeometry { r_star, m_star: 0.5 * mass, radius_i: i, radius_j: j };
+                    let reach = force.range(MaterialId(a), MaterialId(b), &pair);
+                    range = range.max(reach.unwrap_or(0.0));
+                }
+            }
+        }
+        range
+    }
 }

@@ -148,6 +148,9 @@ pub enum Error {
         /// What the reader said.
         reason: String,
     },
+    /// The parameters of a law were refused.
+    #[error(transparent)]
+    Law(#[from] crate::contact::error::LawError),
     /// The run itself went wrong.
     #[error(transparent)]
     Fault(#[from] Fault),

@@ -1,18 +1,27 @@
 //! The portable contact kernel: any model, one contact at a time.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::contact::kinematics::{Kinematics, PairGeometry};
 use crate::contact::law::Memory;
 use crate::contact::model::{ContactLaw, ContactResponse};
 use crate::energy::Flow;
+use crate::gap_force::GapForce;
 use crate::geometry::{Nearest, PlacedWall};
+use crate::material::MaterialId;
 use crate::neighbour::Period;
 use crate::neighbour::verlet_list::{LANES, memory_index};
+use crate::noncontact::Separation;
 use crate::particles::Record;
 
 /// Most numbers that a contact may remember.
 pub(crate) const MAX_SLOTS: usize = 48;
+
+/// Marks of a pair: its bodies touch (or hang together by a neck); they act across a gap.
+pub(crate) const TOUCHES: u8 = 1;
+pub(crate) const PULLS: u8 = 2;
 
 /// What contacts gather from their spheres.
 #[derive(Clone, Copy)]
@@ -23,10 +32,8 @@ pub(crate) struct SphereView<'a> {
     pub(crate) mean_velocity: &'a [Record],
     /// Mean angular velocity of the step; material.
     pub(crate) mean_spin: &'a [Record],
-    /// Velocity foretold for now.
+    /// Velocity foretold for now; charge.
     pub(crate) end_velocity: &'a [Record],
-    /// Angular velocity foretold for now.
-    pub(crate) end_spin: &'a [Record],
 }
 
 /// Everything that a contact kernel reads.
@@ -43,6 +50,8 @@ pub(crate) struct Contacts<'a, M> {
     pub(crate) overlap_limit: f64,
     /// Largest gap across which any contact can act.
     pub(crate) neck: f64,
+    /// Forces across gaps.
+    pub(crate) gap_forces: &'a [Arc<dyn GapForce>],
     /// Whether powers and energies are wanted.
     pub(crate) ledger: bool,
 }
@@ -125,8 +134,8 @@ impl MemoryRun<'_> {
     }
 
     #[inline(always)]
-    pub(crate) fn clear(&mut self, contact: usize) {
-        for slot in 0..self.slots {
+    fn clear<T: Memory>(&mut self, contact: usize) {
+        for slot in 0..T::SLOTS {
             self.numbers[memory_index(self.slots, contact, slot)] = 0.0;
         }
     }
@@ -140,9 +149,88 @@ impl<M: ContactLaw> Contacts<'_, M> {
         &self.laws[a as usize * self.materials + b as usize]
     }
 
-    /// Contact of spheres `a` (first) and `b`; `None` when they do not act on each other.
+    /// What spheres `a` (first) and `b` do to each other, if anything.
     #[inline(always)]
     pub(crate) fn pair(
+        &self,
+        a: u32,
+        b: u32,
+        contact: usize,
+        active: &mut u8,
+        memory: &mut MemoryRun<'_>,
+        into: &mut ChunkYield,
+    ) -> Option<Wrench> {
+        let touch = self.touch(a, b, contact, active, memory, into);
+        if self.gap_forces.is_empty() {
+            return touch;
+        }
+        let s = &self.spheres;
+        let (i, j) = (a as usize, b as usize);
+        let (pi, pj) = (s.position[i], s.position[j]);
+        let (vi, vj) = (s.mean_velocity[i], s.mean_velocity[j]);
+        let d = Period::shortest(self.period, pj.vector() - pi.vector());
+        let distance = d.length();
+        let pair = PairGeometry {
+            r_star: pi.w * pj.w / (pi.w + pj.w),
+            m_star: vi.w * vj.w / (vi.w + vj.w),
+            radius_i: pi.w,
+            radius_j: pj.w,
+        };
+        let separation = Separation {
+            normal_i_to_j: d / distance,
+            gap: distance - pi.w - pj.w,
+            distance,
+            charge_i: s.end_velocity[i].w,
+            charge_j: s.end_velocity[j].w,
+        };
+        let materials = [s.mean_spin[i].w, s.mean_spin[j].w];
+        let pull = self.across(materials, &pair, &separation, contact, active, memory, into);
+        pulled(touch, pull)
+    }
+
+    /// Forces across the gap (or overlap) of one pair of bodies.
+    #[cold]
+    fn across(
+        &self,
+        materials: [f64; 2],
+        pair: &PairGeometry,
+        separation: &Separation,
+        contact: usize,
+        active: &mut u8,
+        memory: &mut MemoryRun<'_>,
+        into: &mut ChunkYield,
+    ) -> Option<DVec3> {
+        let [a, b] = materials.map(|m| MaterialId(m as u16));
+        let mut offset = <M::Memory as Memory>::SLOTS;
+        let mut sum = None;
+        for force in self.gap_forces {
+            let slots = force.slots();
+            let mut buffer: crate::gap_force::Slots = [0.0; MAX_SLOTS];
+            let index = |slot| memory_index(memory.slots, contact, offset + slot);
+            for (slot, value) in buffer.iter_mut().enumerate().take(slots) {
+                *value = memory.numbers[index(slot)];
+            }
+            if let Some(r) = force.respond(a, b, pair, separation, &mut buffer) {
+                *sum.get_or_insert(DVec3::ZERO) += r.force_on_i(separation);
+                if self.ledger {
+                    into.flow.elastic += r.energy;
+                    if self.dt > 0.0 {
+                        into.flow.cohesion += r.lost_energy / self.dt;
+                    }
+                }
+            }
+            for (slot, value) in buffer.iter().enumerate().take(slots) {
+                memory.numbers[index(slot)] = *value;
+            }
+            offset += slots;
+        }
+        *active = (*active & TOUCHES) | if sum.is_some() { PULLS } else { 0 };
+        sum
+    }
+
+    /// Contact of spheres `a` (first) and `b`, if they touch.
+    #[inline(always)]
+    fn touch(
         &self,
         a: u32,
         b: u32,
@@ -157,11 +245,11 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let d = Period::shortest(self.period, pj.vector() - pi.vector());
         let distance_squared = d.length_squared();
         let touching = pi.w + pj.w;
-        let reach = if *active != 0 { touching + self.neck } else { touching };
+        let reach = if *active & TOUCHES != 0 { touching + self.neck } else { touching };
         if distance_squared >= reach * reach {
-            if *active != 0 {
-                *active = 0;
-                memory.clear(contact);
+            if *active & TOUCHES != 0 {
+                *active &= !TOUCHES;
+                memory.clear::<M::Memory>(contact);
             }
             return None;
         }
@@ -177,18 +265,21 @@ impl<M: ContactLaw> Contacts<'_, M> {
             radius_j: pj.w,
         };
         if overlap <= 0.0 && -overlap > law.reach(&pair) {
-            *active = 0;
-            memory.clear(contact);
+            *active &= !TOUCHES;
+            memory.clear::<M::Memory>(contact);
             return None;
         }
-        *active = 1;
+        *active |= TOUCHES;
         if overlap > self.overlap_limit * pi.w.min(pj.w) {
             into.note_overlap(overlap / pi.w.min(pj.w), a, b, false);
         }
         let n = d / distance;
         let (lever_i, lever_j) = (pi.w - 0.5 * overlap, pj.w - 0.5 * overlap);
         let (wi, wj) = (wi.vector(), wj.vector());
-        let relative = vi.vector() - vj.vector() + (wi * lever_i + wj * lever_j).cross(n);
+        let approach = vi.vector() - vj.vector();
+        // Slip is that of the middle of the step, and so are its levers.
+        let back = 0.25 * self.dt * approach.dot(n);
+        let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
         let end = s.end_velocity[i].vector() - s.end_velocity[j].vector();
         let motion = Kinematics {
             normal_i_to_j: n,
@@ -215,9 +306,46 @@ impl<M: ContactLaw> Contacts<'_, M> {
         })
     }
 
-    /// Contact of sphere `a` with wall `w`, whose nearest point is `nearest`.
+    /// What wall `w`, nearest to sphere `a` at `nearest`, does to it, if anything.
     #[inline(always)]
     pub(crate) fn wall(
+        &self,
+        a: u32,
+        w: u16,
+        nearest: &Nearest,
+        contact: usize,
+        active: &mut u8,
+        memory: &mut MemoryRun<'_>,
+        into: &mut ChunkYield,
+    ) -> Option<Wrench> {
+        let touch = self.touch_wall(a, w, nearest, contact, active, memory, into);
+        if self.gap_forces.is_empty() || nearest.distance <= 0.0 {
+            return touch;
+        }
+        let s = &self.spheres;
+        let i = a as usize;
+        let radius = s.position[i].w;
+        let pair = wall_pair(radius, s.mean_velocity[i].w, nearest);
+        let separation = Separation {
+            normal_i_to_j: nearest.normal_to_wall,
+            gap: nearest.distance - radius,
+            distance: nearest.distance,
+            charge_i: s.end_velocity[i].w,
+            charge_j: 0.0,
+        };
+        let wall = &self.walls[w as usize];
+        let materials = [s.mean_spin[i].w, f64::from(wall.material.0)];
+        let pull = self.across(materials, &pair, &separation, contact, active, memory, into);
+        if let (true, Some(pull)) = (self.ledger, pull) {
+            let point = s.position[i].vector() + nearest.normal_to_wall * nearest.distance;
+            into.flow.walls += pull.dot(wall.velocity.at(point));
+        }
+        pulled(touch, pull)
+    }
+
+    /// Contact of sphere `a` with wall `w`, if they touch.
+    #[inline(always)]
+    fn touch_wall(
         &self,
         a: u32,
         w: u16,
@@ -231,30 +359,24 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let i = a as usize;
         let radius = s.position[i].w;
         let overlap = radius - nearest.distance;
-        let reach = if *active != 0 { self.neck } else { 0.0 };
+        let reach = if *active & TOUCHES != 0 { self.neck } else { 0.0 };
         // A centre that is a whole radius behind the surface is not in contact: it is outside.
         if overlap <= -reach || overlap >= 2.0 * radius {
-            if *active != 0 {
-                *active = 0;
-                memory.clear(contact);
+            if *active & TOUCHES != 0 {
+                *active &= !TOUCHES;
+                memory.clear::<M::Memory>(contact);
             }
             return None;
         }
         let wall = &self.walls[w as usize];
         let law = self.law(s.mean_spin[i].w, f64::from(wall.material.0));
-        let curvature = 1.0 / radius + 1.0 / nearest.wall_radius;
-        let pair = PairGeometry {
-            r_star: 1.0 / curvature,
-            m_star: s.mean_velocity[i].w,
-            radius_i: radius,
-            radius_j: nearest.wall_radius,
-        };
+        let pair = wall_pair(radius, s.mean_velocity[i].w, nearest);
         if overlap <= 0.0 && -overlap > law.reach(&pair) {
-            *active = 0;
-            memory.clear(contact);
+            *active &= !TOUCHES;
+            memory.clear::<M::Memory>(contact);
             return None;
         }
-        *active = 1;
+        *active |= TOUCHES;
         if overlap > self.overlap_limit * radius {
             into.note_overlap(overlap / radius, a, u32::from(w), true);
         }
@@ -263,8 +385,10 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let point = s.position[i].vector() + n * nearest.distance;
         let wi = s.mean_spin[i].vector();
         let spin = wall.mean_velocity.spin;
-        let relative = s.mean_velocity[i].vector() + (wi * lever_i).cross(n)
-            - wall.mean_velocity.at(point);
+        let approach = s.mean_velocity[i].vector() - wall.mean_velocity.at(point);
+        // Slip is that of the middle of the step, and so is its lever.
+        let back = 0.5 * self.dt * approach.dot(n);
+        let relative = approach + (wi * (lever_i + back)).cross(n);
         let wall_end = wall.velocity.at(point);
         let motion = Kinematics {
             normal_i_to_j: n,
@@ -292,6 +416,30 @@ impl<M: ContactLaw> Contacts<'_, M> {
             // On the wall, about the centre of the sphere.
             torque_on_second: response.torque_on_j - (n * lever_i).cross(response.force_on_i),
         })
+    }
+}
+
+/// Size of a pair of a sphere and a wall.
+#[inline(always)]
+fn wall_pair(radius: f64, mass: f64, nearest: &Nearest) -> PairGeometry {
+    let curvature = 1.0 / radius + 1.0 / nearest.wall_radius;
+    PairGeometry {
+        r_star: 1.0 / curvature,
+        m_star: mass,
+        radius_i: radius,
+        radius_j: nearest.wall_radius,
+    }
+}
+
+/// A contact's wrench and a pull between the centres together.
+fn pulled(touch: Option<Wrench>, pull: Option<DVec3>) -> Option<Wrench> {
+    match pull {
+        None => touch,
+        Some(force) => {
+            let mut sum = touch.unwrap_or_default();
+            sum.force += force;
+            Some(sum)
+        }
     }
 }
 

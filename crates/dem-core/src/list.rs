@@ -38,7 +38,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             self.place_members();
         }
         self.find_pairs();
-        let slots = Self::slots();
+        let slots = self.make.slots;
         let spheres = self.spheres().position.len();
         let (state, s) = (&mut self.state, &mut self.scratch);
         std::mem::swap(&mut state.pairs, &mut s.old_pairs);
@@ -136,7 +136,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// Sort the bodies in memory by cells.
     fn sort_bodies(&mut self) {
-        let range = self.make.skin + self.make.neck;
+        let range = self.make.skin + self.make.range;
         let clumps = self.has_clumps();
         let s = &mut self.scratch;
         s.cells.sort(&self.state.bodies.position, range, self.make.period);
@@ -151,6 +151,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let m = &mut self.state.members;
         let old_first = m.first.clone();
         m.shape = s.order.iter().map(|&k| m.shape[k as usize]).collect();
+        m.end_spin = s.order.iter().filter_map(|&k| m.end_spin.get(k as usize).copied()).collect();
         m.attitude = s.order.iter().map(|&k| m.attitude[k as usize]).collect();
         self.lay_out_members();
         let (m, s) = (&self.state.members, &mut self.scratch);
@@ -192,15 +193,15 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             &mut m.mean_velocity,
             &mut m.mean_spin,
             &mut m.end_velocity,
-            &mut m.end_spin,
         ] {
             v.resize(m.id.len(), Record::default());
         }
+        m.end_spin.resize(b.len(), Record::default());
     }
 
     /// Find all pairs of spheres in reach of each other.
     fn find_pairs(&mut self) {
-        let range = self.make.skin + self.make.neck;
+        let range = self.make.skin + self.make.range;
         let margin = TOUCHING_MARGIN * self.make.skin;
         let (period, clumps) = (self.make.period, self.has_clumps());
         let (b, m, s) = (&self.state.bodies, &self.state.members, &mut self.scratch);
@@ -239,8 +240,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// List the spheres near walls.
     fn list_walls(&mut self, sorted: bool) {
-        let range = self.make.skin + self.make.neck;
-        let slots = Self::slots();
+        let range = self.make.skin + self.make.range;
+        let slots = self.make.slots;
         let mut list = std::mem::take(&mut self.state.wall_list);
         list.clear(slots);
         let position = self.spheres().position;

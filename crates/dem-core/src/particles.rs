@@ -110,10 +110,8 @@ pub(crate) struct Bodies {
     pub(crate) mean_velocity: Vec<Record>,
     /// Angular velocity averaged likewise, and material number.
     pub(crate) mean_spin: Vec<Record>,
-    /// Velocity that the last forces foretold for the end of the step.
+    /// Velocity that the last forces foretold for the end of the step, and charge.
     pub(crate) end_velocity: Vec<Record>,
-    /// Angular velocity foretold likewise.
-    pub(crate) end_spin: Vec<Record>,
     /// What the integrator remembers of the translation and of the rotation (of a clump: its
     /// angular momentum).
     pub(crate) linear_memory: Vec<Record>,
@@ -146,7 +144,6 @@ impl Bodies {
         self.mean_velocity.push(Record::new(velocity, mass));
         self.mean_spin.push(Record::new(spin, f64::from(material.0)));
         self.end_velocity.push(Record::new(velocity, 0.0));
-        self.end_spin.push(Record::new(spin, 0.0));
         for v in [
             &mut self.acceleration,
             &mut self.angular_acceleration,
@@ -169,7 +166,6 @@ impl Bodies {
             &mut self.mean_velocity,
             &mut self.mean_spin,
             &mut self.end_velocity,
-            &mut self.end_spin,
             &mut self.linear_memory,
             &mut self.angular_memory,
         ] {

@@ -54,7 +54,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             walls: self.make.walls.len() as u64,
             materials: self.make.materials.len() as u64,
             clump_shapes: self.make.shapes.len() as u64,
-            slots: Self::slots() as u64,
+            slots: self.make.slots as u64,
             dt_bits: self.make.dt.to_bits(),
             skin_bits: self.make.skin.to_bits(),
         }
@@ -207,7 +207,6 @@ impl Snapshot {
             &mut b.mean_velocity,
             &mut b.mean_spin,
             &mut b.end_velocity,
-            &mut b.end_spin,
             &mut b.linear_memory,
             &mut b.angular_memory,
         ] {

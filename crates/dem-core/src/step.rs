@@ -69,7 +69,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             b.mean_velocity[k].set(v);
             b.end_velocity[k].set(v);
             b.mean_spin[k].set(w);
-            b.end_spin[k].set(w);
+            if let Some(end) = self.state.members.end_spin.get_mut(k) {
+                end.set(w);
+            }
         }
         self.place_members();
         self.contact_forces(0.0);
@@ -98,7 +100,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             mean_velocity in b.mean_velocity, CHUNK;
             end_velocity in b.end_velocity, CHUNK;
             mean_spin in b.mean_spin, CHUNK;
-            end_spin in b.end_spin, CHUNK;
             linear in b.linear_memory, CHUNK;
             turn in b.angular_memory, CHUNK;
             result in chunks, 1
@@ -121,7 +122,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                             spin[g].vector(), angular[g].vector(), &mut memory, dt);
                         turn[k].set(memory);
                         mean_spin[k].set(d.displacement / dt);
-                        end_spin[k].set(d.end_velocity);
                     }
                     let moved = position[k].vector() - frame.image(reference[g].vector());
                     // Written so that a position that is not a number counts as moved.
@@ -145,7 +145,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         for_each_chunk!(threads, |c|
             attitude in m.attitude, CHUNK;
             mean_spin in b.mean_spin, CHUNK;
-            end_spin in b.end_spin, CHUNK;
+            end_spin in m.end_spin, CHUNK;
             momentum in b.angular_memory, CHUNK
             => {
                 for k in 0..attitude.len() {
@@ -195,18 +195,17 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     SPHERE => DVec3::ZERO,
                     shape => m.attitude[body] * shapes[shape as usize].spheres[nth].centre,
                 };
-                let (mean_spin, end_spin) = (b.mean_spin[body], b.end_spin[body]);
+                let (mean_spin, end_spin) = (b.mean_spin[body], m.end_spin[body]);
                 // The mean of the arms at both ends of the step, which the mean spin turns.
                 let back = mean_spin.vector().cross(arm) * (0.5 * dt);
                 let middle = arm - back;
                 m.arm[s] = Record::new(arm, radius);
                 m.position[s] = Record::new(b.position[body].vector() + arm, radius);
-                let v = b.mean_velocity[body];
+                let (v, v_end) = (b.mean_velocity[body], b.end_velocity[body]);
                 m.mean_velocity[s] = Record::new(v.vector() + mean_spin.vector().cross(middle), v.w);
                 m.mean_spin[s] = mean_spin;
                 m.end_velocity[s] =
-                    Record::new(b.end_velocity[body].vector() + end_spin.vector().cross(arm), 0.0);
-                m.end_spin[s] = end_spin;
+                    Record::new(v_end.vector() + end_spin.vector().cross(arm), v_end.w);
             }
         }
     }
@@ -231,6 +230,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 dt,
                 overlap_limit: make.overlap_limit,
                 neck: make.neck,
+                gap_forces: &make.gap_forces,
                 ledger,
             }
         };

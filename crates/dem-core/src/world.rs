@@ -1,13 +1,15 @@
 //! The world: particles, walls, laws and time.
 
+use std::sync::Arc;
+
 use glam::{DQuat, DVec3};
 
 use crate::body_force::{Drag, Gravity};
-use crate::contact::law::Memory;
 use crate::contact::model::ContactLaw;
 use crate::energy::{Energy, Flow, Ledger};
 use crate::error::Error;
-use crate::forces::{ChunkYield, Late, SphereView};
+use crate::forces::{ChunkYield, Late, SphereView, TOUCHES};
+use crate::gap_force::GapForce;
 use crate::geometry::{Motion, MotionState, PlacedWall, Wall};
 use crate::integrate::{Integrator, VelocityVerlet};
 use crate::material::{Material, MaterialId};
@@ -68,6 +70,7 @@ pub(crate) struct Members {
     pub(crate) mean_velocity: Vec<Record>,
     pub(crate) mean_spin: Vec<Record>,
     pub(crate) end_velocity: Vec<Record>,
+    /// Angular velocity foretold for the end of the step, of each body.
     pub(crate) end_spin: Vec<Record>,
     /// Number of the clump's shape for each body; `SPHERE` for a single sphere.
     pub(crate) shape: Vec<u32>,
@@ -93,7 +96,13 @@ pub(crate) struct Make<M> {
     pub(crate) walls: Vec<Wall>,
     pub(crate) shapes: Vec<Clump>,
     pub(crate) skin: f64,
+    /// Largest gap across which a contact that was can act.
     pub(crate) neck: f64,
+    /// Largest gap across which anything can act.
+    pub(crate) range: f64,
+    pub(crate) gap_forces: Vec<Arc<dyn GapForce>>,
+    /// Numbers stored a contact: at least one, so that every run of contacts has chunks.
+    pub(crate) slots: usize,
     pub(crate) overlap_limit: f64,
     /// Wall whose turn displacements may be measured against.
     pub(crate) turning_wall: Option<usize>,
@@ -256,6 +265,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
     }
 
+    /// Electric charge, C.
+    pub fn charge(&self, particle: ParticleId) -> f64 {
+        self.state.bodies.end_velocity[self.place(particle)].w
+    }
+
     /// Set a particle's velocity (m/s) and angular velocity (rad/s).
     ///
     /// # Errors
@@ -361,7 +375,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let list = &self.state.wall_list;
         let mut load = WallLoad::default();
         for entry in 0..list.len().min(self.scratch.wrenches.wall_force.len()) {
-            if list.wall[entry] as usize != wall || list.active[entry] == 0 {
+            if list.wall[entry] as usize != wall || list.active[entry] & TOUCHES == 0 {
                 continue;
             }
             let force = -self.scratch.wrenches.wall_force[entry].vector();
@@ -440,7 +454,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// Pairs of spheres in contact at the end of the last step.
     pub fn contact_count(&self) -> usize {
-        self.state.pairs.active.iter().filter(|&&a| a != 0).count()
+        self.state.pairs.active.iter().filter(|&&a| a & TOUCHES != 0).count()
     }
 
     pub(crate) fn has_clumps(&self) -> bool {
@@ -449,11 +463,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     pub(crate) fn spheres(&self) -> SphereView<'_> {
         sphere_view(&self.state, self.has_clumps())
-    }
-
-    /// Numbers stored a contact: at least one, so that every run of contacts has chunks.
-    pub(crate) fn slots() -> usize {
-        <M::Memory as Memory>::SLOTS.max(1)
     }
 }
 
@@ -466,7 +475,6 @@ pub(crate) fn sphere_view(state: &State, clumps: bool) -> SphereView<'_> {
             mean_velocity: &m.mean_velocity,
             mean_spin: &m.mean_spin,
             end_velocity: &m.end_velocity,
-            end_spin: &m.end_spin,
         }
     } else {
         SphereView {
@@ -474,7 +482,6 @@ pub(crate) fn sphere_view(state: &State, clumps: bool) -> SphereView<'_> {
             mean_velocity: &b.mean_velocity,
             mean_spin: &b.mean_spin,
             end_velocity: &b.end_velocity,
-            end_spin: &b.end_spin,
         }
     }
 }

@@ -119,6 +119,8 @@ impl CellList {
         level.origin = low;
         let cells: usize = level.cells.iter().product();
         level.start.clear();
+        // The number of cells changes with the bodies' extent: have room for the most.
+        level.start.reserve(CELLS_PER_BODY * count.max(8) + 1);
         level.start.resize(cells + 1, 0);
         for (k, p) in position.iter().enumerate() {
             if usize::from(self.level_of[k]) == l {

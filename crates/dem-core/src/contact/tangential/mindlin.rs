@@ -17,13 +17,12 @@
 //! Departure: static and kinetic friction differ (see `contact::friction`).
 //! The energy that a change of contact area takes from the spring counts as dissipated.
 
-use glam::DVec3;
-
+use super::spring_step::SpringStep;
 use crate::contact::error::{LawError, non_negative, positive};
 use crate::contact::friction::{Friction, FrictionSpec};
 use crate::contact::kinematics::{Kinematics, PairGeometry};
 use crate::contact::law::{NormalResponse, TangentialLaw, TangentialResponse};
-use crate::contact::spring::SpringMemory;
+use crate::contact::spring::{SpringMemory, kept_share};
 
 /// Parameters of [`Mindlin`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,45 +74,7 @@ impl TangentialLaw for Mindlin {
         let stiffness = 8.0 * self.g_star * normal.contact_radius;
         let dashpot =
             if self.damping > 0.0 { self.damping * (pair.m_star * stiffness).sqrt() } else { 0.0 };
-        spring_with_limit(stiffness, dashpot, &self.friction, motion, normal, memory)
+        let share = kept_share(stiffness, memory.stiffness);
+        SpringStep { stiffness, share, dashpot }.advance(&self.friction, motion, normal, memory)
     }
-}
-
-/// Advance an incremental spring of the present `stiffness` (N/m) with a `dashpot` (N s/m) under
-/// Coulomb's limit.
-#[inline]
-pub(crate) fn spring_with_limit(
-    stiffness: f64,
-    dashpot: f64,
-    friction: &Friction,
-    motion: &Kinematics,
-    normal: &NormalResponse,
-    memory: &mut SpringMemory,
-) -> TangentialResponse {
-    let slip = motion.slip_velocity * motion.dt;
-    let before = *memory;
-    let energy_before = before.energy();
-    let (spring, sliding) = friction.limit(
-        before.trial(stiffness, slip),
-        normal.friction_load,
-        before.sliding,
-        motion.slip_velocity,
-    );
-    *memory = SpringMemory { force: spring, stiffness, sliding };
-    let elastic_energy = memory.energy();
-    // Work done on the spring by the mean force of the step, less what it still holds.
-    let work = -0.5 * (before.force + spring).dot(slip);
-    let mut lost = (work - (elastic_energy - energy_before)) / motion.dt;
-    let mut force = spring;
-    if dashpot > 0.0 && !sliding {
-        let (damped, _) = friction.limit(
-            spring - motion.slip_velocity * dashpot,
-            normal.friction_load,
-            false,
-            DVec3::ZERO,
-        );
-        lost -= (damped - spring).dot(motion.slip_velocity);
-        force = damped;
-    }
-    TangentialResponse { force_on_i: force, elastic_energy, dissipated_power: lost, sliding }
 }
