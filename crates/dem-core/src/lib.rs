@@ -15,6 +15,8 @@ pub mod impact;
 pub mod integrate;
 mod list;
 pub mod material;
+#[cfg(feature = "mesh")]
+mod mesh_contacts;
 mod neighbour;
 pub mod noncontact;
 pub mod particles;

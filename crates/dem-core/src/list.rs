@@ -261,7 +261,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     mesh.facets_near(local, p.w + range, &mut list.facets);
                     let end = list.facets.len() as u32;
                     if end > begin {
-                        for _ in 0..self.make.walls[w].shape.contacts_per_sphere() {
+                        for _ in 0..crate::geometry::mesh::CONTACTS_PER_SPHERE {
                             list.push(k as u32, w as u16, [begin, end]);
                         }
                     }

@@ -425,8 +425,19 @@ fn wall_contacts<M: ContactLaw>(
         v.resize(n, Record::default());
     }
     s.wall_yield.resize_with(n.div_ceil(CHUNK), Default::default);
-    let (sphere, wall) = (&walls.sphere, &walls.wall);
+    #[cfg(feature = "mesh")]
+    if walls.facets.is_empty() {
+        s.mesh_nearest.clear();
+    } else {
+        let position = context.spheres.position;
+        let nearest = &mut s.mesh_nearest;
+        crate::mesh_contacts::assign(
+            &make.walls, context.walls, position, make.range, walls, nearest);
+    }
+    #[cfg(not(feature = "mesh"))]
     let _ = make;
+    let mesh_nearest = &s.mesh_nearest;
+    let (sphere, wall) = (&walls.sphere, &walls.wall);
     for_each_chunk!(threads, |c|
         active in walls.active, CHUNK;
         numbers in walls.memory, CHUNK * slots;
@@ -442,9 +453,10 @@ fn wall_contacts<M: ContactLaw>(
                 let e = c * CHUNK + k;
                 let (a, w) = (sphere[e], wall[e]);
                 let x = context.spheres.position[a as usize].vector();
-                let Some(nearest) = context.walls[w as usize].nearest(x) else { continue };
-                let wrench = context
-                    .wall(a, w, &nearest, k, &mut active[k], &mut memory, into)
+                let analytic = context.walls[w as usize].nearest(x);
+                let nearest = analytic.or_else(|| mesh_nearest.get(e).copied().flatten());
+                let wrench = nearest
+                    .and_then(|n| context.wall(a, w, &n, k, &mut active[k], &mut memory, into))
                     .unwrap_or_default();
                 force[k].set(wrench.force);
                 torque[k].set(wrench.torque_on_first);

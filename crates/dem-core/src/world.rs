@@ -144,6 +144,8 @@ pub(crate) struct Scratch {
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
     pub(crate) body_yield: Vec<BodyYield>,
+    /// Nearest points of meshes, by entry of the wall list.
+    pub(crate) mesh_nearest: Vec<Option<crate::geometry::Nearest>>,
 }
 
 /// What one chunk of bodies yields.

@@ -45,17 +45,6 @@ pub enum Shape {
     Mesh(Mesh),
 }
 
-impl Shape {
-    /// Largest number of contacts that one sphere can have with the shape.
-    pub(crate) fn contacts_per_sphere(&self) -> usize {
-        match self {
-            #[cfg(feature = "mesh")]
-            Shape::Mesh(_) => mesh::CONTACTS_PER_SPHERE,
-            _ => 1,
-        }
-    }
-}
-
 /// A wall: shape, material, motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wall {

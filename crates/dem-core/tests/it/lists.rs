@@ -9,7 +9,7 @@ use crate::scenes::{Model, Random, bead_material, drum, model};
 fn a_small_skin_gives_the_trajectory_of_a_list_of_all_pairs() {
     let run = |skin: f64| {
         let mut w = drum(300, 1.5, 1).skin(skin).build().unwrap();
-        w.run(1200).unwrap();
+        w.run(3000).unwrap();
         w
     };
     let (listed, all) = (run(2e-4), run(0.2));

@@ -7,5 +7,7 @@ mod determinism;
 mod faults;
 mod integrators;
 mod lists;
+#[cfg(feature = "mesh")]
+mod meshes;
 mod scenes;
 mod walls;
