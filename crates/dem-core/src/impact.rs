@@ -6,10 +6,8 @@
 //!
 //! Body i starts to the left, its partner to the right: `normal_i_to_j` is `+X` at first. The
 //! scheme is velocity Verlet. Slip and spins enter the laws at the middle of the step, where the
-//! scheme has them; the overlap rate either extrapolated to its end ([`RateAt::End`], second order)
-//! or as it is ([`RateAt::Middle`], which lags by half a step and so under-damps).
-//!
-//! Reference for the lag: the restitution of a contact of few steps, `docs/validation.md`.
+//! scheme has them; the overlap rate at the place that [`RateAt`] says. What that does to the
+//! restitution of a contact of few steps is tabulated in the validation report.
 
 use glam::DVec3;
 
@@ -105,8 +103,11 @@ pub enum RateAt {
     /// Extrapolated to the end of the step with the acceleration known: second order.
     #[default]
     End,
-    /// At the middle of the step: half a step late.
+    /// At the middle of the step, half a step late: first order, yet closer than [`RateAt::End`] in
+    /// contacts of fewer than some 20 steps.
     Middle,
+    /// At the start of the step, one step late: damps too little.
+    Start,
 }
 
 /// Where tangential forces attack.
@@ -361,19 +362,24 @@ impl<L: ContactLaw> TwoBody<L> {
             let distance = d.length();
             (d / distance, self.i.radius + j.radius - distance)
         };
-        let depth = overlap.max(0.0);
-        let (lever_i, lever_j) = match (self.settings.lever, plane) {
-            (LeverOf::Radius, true) => (self.i.radius, 0.0),
-            (LeverOf::Radius, false) => (self.i.radius, j.radius),
-            (LeverOf::Overlap, true) => (self.i.radius - depth, 0.0),
-            (LeverOf::Overlap, false) => (self.i.radius - 0.5 * depth, j.radius - 0.5 * depth),
-        };
         let relative = self.i.velocity - j.velocity;
-        let surface =
-            relative + self.i.spin.cross(normal * lever_i) + j.spin.cross(normal * lever_j);
+        let lever = |overlap: f64| {
+            let depth = overlap.max(0.0);
+            match (self.settings.lever, plane) {
+                (LeverOf::Radius, true) => (self.i.radius, 0.0),
+                (LeverOf::Radius, false) => (self.i.radius, j.radius),
+                (LeverOf::Overlap, true) => (self.i.radius - depth, 0.0),
+                (LeverOf::Overlap, false) => (self.i.radius - 0.5 * depth, j.radius - 0.5 * depth),
+            }
+        };
+        let (lever_i, lever_j) = lever(overlap);
+        // Slip belongs to the middle of the step, and so do its levers.
+        let (arm_i, arm_j) = lever(overlap - 0.5 * self.settings.dt * relative.dot(normal));
+        let surface = relative + self.i.spin.cross(normal * arm_i) + j.spin.cross(normal * arm_j);
         let end = match self.settings.rate {
             RateAt::End => relative + acceleration * (0.5 * self.settings.dt),
             RateAt::Middle => relative,
+            RateAt::Start => relative - acceleration * (0.5 * self.settings.dt),
         };
         Kinematics {
             normal_i_to_j: normal,

@@ -45,7 +45,7 @@ fn momentum_and_angular_momentum_survive_a_rough_collision() {
     let i =
         bead().with_velocity(DVec3::new(1.0, 0.4, -0.2)).with_spin(DVec3::new(20.0, -50.0, 90.0));
     let j = Body::solid_sphere(5e-3, 1500.0).with_spin(DVec3::new(-10.0, 30.0, 5.0));
-    let mut pair = TwoBody::new(rough(), i, Partner::Sphere(j), 0.0, Settings::new(2e-8));
+    let mut pair = TwoBody::new(rough(), i, Partner::Sphere(j), 0.0, Settings::new(5e-8));
     let total = |p: &TwoBody<_>| {
         let Partner::Sphere(j) = p.partner else { unreachable!() };
         let momentum = p.i.velocity * p.i.mass + j.velocity * j.mass;
@@ -56,7 +56,7 @@ fn momentum_and_angular_momentum_survive_a_rough_collision() {
         (momentum, angular)
     };
     let (p0, l0) = total(&pair);
-    for _ in 0..2000 {
+    for _ in 0..4000 {
         pair.step();
     }
     assert!(pair.overlap < 0.0, "the bodies have parted");
@@ -68,15 +68,21 @@ fn momentum_and_angular_momentum_survive_a_rough_collision() {
 
 #[test]
 fn the_ledgers_remainder_falls_with_the_square_of_the_step() {
+    // A shear dashpot and a dry rolling torque see velocities of the middle of a step, and so
+    // book their loss half a step early: first order. Springs and normal damping are second.
+    let mut law = rough();
+    law.tangential.damping = 0.0;
+    law.rolling.arm.ratio = 0.0;
     let i = bead().with_velocity(DVec3::new(1.0, 0.8, 0.0));
     let remainder = |dt: f64| {
-        let hit = collide(rough(), i, Partner::Plane, Settings::new(dt)).unwrap();
+        let hit = collide(law, i, Partner::Plane, Settings::new(dt)).unwrap();
         (hit.energy.remainder() / hit.energy.kinetic_before).abs()
     };
     // mean over step sizes about the nominal one: the remainder's sign depends on the grid
     let mean = |dt: f64| (0..20).map(|k| remainder(dt * (1.0 + 0.01 * f64::from(k)))).sum::<f64>();
-    let order = (mean(4e-8) / mean(1e-8)).log2() / 2.0;
-    assert!(order > 1.6, "order {order}");
+    let order = (mean(8e-7) / mean(5e-8)).log2() / 4.0;
+    // 2 by theory; the kinks of friction and of the cut tail fall at random places of the grid
+    assert!(order > 1.8, "order {order}");
 }
 
 #[test]

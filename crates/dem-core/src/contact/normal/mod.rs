@@ -19,3 +19,6 @@ pub use linear_spring_dashpot::{
 pub use linear_stiffness::{HertzMatch, linear_stiffness};
 pub use restitution::AttractiveTail;
 pub use walton_braun::{WaltonBraun, WaltonBraunSpec, YieldStiffness};
+
+#[cfg(test)]
+mod cycle_tests;

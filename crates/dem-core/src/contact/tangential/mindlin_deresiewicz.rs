@@ -21,7 +21,7 @@
 //! for `G`, `2 mu N` for the printed `2 mu`, and the rule for a growing load added.
 //! Departures: shear across the axis meets the no-slip stiffness and, on first loading, turns the
 //! axis; a reversal within a reloading starts a new unloading and forgets the outer loop;
-//! energy and loss by `partial_slip.rs`.
+//! energy, loss and passivity by `partial_slip.rs`.
 
 use glam::DVec3;
 
@@ -121,7 +121,7 @@ impl TangentialLaw for MindlinDeresiewicz {
             if behind {
                 // Slip starts anew from the rim until the shear has caught up with the limit.
                 let caught = theta * (advance - growth);
-                m.since += caught;
+                m.since += caught + growth;
                 m.deficit = (m.deficit - caught).max(0.0);
             }
             theta
@@ -141,6 +141,7 @@ impl TangentialLaw for MindlinDeresiewicz {
         let stiff = k.max(f64::MIN_POSITIVE);
         let capped = shear.length() * (trial - shear).length() / stiff;
         let slid = rim * (forward - growth / stiff).max(0.0) + capped;
+        let shear = m.passive(before, shear, slip);
         m.shear = shear;
         m.load = load;
         m.stiffness = k;

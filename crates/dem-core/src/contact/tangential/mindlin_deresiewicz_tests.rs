@@ -121,3 +121,52 @@ fn a_growing_load_alone_changes_no_shear_and_a_falling_one_pulls_it_to_the_limit
     assert_eq!(m.shear, DVec3::ZERO);
     m.transport(DVec3::Y, 0.0);
 }
+
+/// Contact radius of Hertz under `load`, m.
+fn radius(load: f64) -> f64 {
+    (0.75 * load * PAIR.r_star / 2e9).cbrt()
+}
+
+/// At a held displacement the circle that sticks shrinks with c^2 = a^2 - const, so the shear under
+/// a falling load stays on the curves of first loading of that displacement.
+#[test]
+fn a_falling_load_takes_the_shear_down_the_curves_of_first_loading() {
+    let (load, n) = (10.0, 20_000);
+    let mut m = PartialSlipMemory::default();
+    let onset = 1.5 * 0.4 * load / (8.0 * 1e9 * radius(load));
+    let s = 0.3 * onset;
+    for _ in 0..n {
+        slide(&mut m, s / f64::from(n), load, radius(load));
+    }
+    for k in 1..=n {
+        let now = load * (1.0 - 0.8 * f64::from(k) / f64::from(n));
+        let t = -slide(&mut m, 0.0, now, radius(now)).force_on_i.x;
+        let want = law().first_loading(s, now, radius(now));
+        // explicit steps: of order 1/n of the limit
+        assert!((t - want).abs() < 1e-3 * 0.4 * load, "{now}: {t} {want}");
+    }
+}
+
+/// After growth of the load at held shear, slip starts anew from the rim of the larger circle.
+#[test]
+fn shear_after_a_growth_of_the_load_starts_a_curve_of_first_loading_anew() {
+    let (low, high, n) = (5.0, 20.0, 20_000);
+    let mut m = PartialSlipMemory::default();
+    for _ in 0..n {
+        slide(&mut m, 0.5e-7 / f64::from(n), low, radius(low));
+    }
+    for k in 1..=n {
+        let now = low + (high - low) * f64::from(k) / f64::from(n);
+        slide(&mut m, 0.0, now, radius(now));
+    }
+    let held = m.shear.x;
+    // up to where the added shear reaches mu (high - low)
+    let onset = 1.5 * 0.4 * high / (8.0 * 1e9 * radius(high));
+    let ds = 0.4 * onset / f64::from(n);
+    for k in 1..=n {
+        let t = -slide(&mut m, ds, high, radius(high)).force_on_i.x;
+        let want = held + law().first_loading(ds * f64::from(k), high, radius(high));
+        assert!(want - held < 0.4 * (high - low));
+        assert!((t - want).abs() < 1e-3 * 0.4 * high, "{k}: {t} {want}");
+    }
+}

@@ -7,6 +7,9 @@
 //! `f - y f' = L (1 - theta^(1/gamma) - theta (1 - theta^(1/gamma - 1))/(1 - gamma))`
 //!
 //! and the energy held at the onset of full sliding is `L^2/(k (2 - gamma))`, an upper bound.
+//! A step that would return more than the contact holds has its shear held back, so that these laws
+//! are passive on every path, also where their published increments (one direction, few branches)
+//! are not: a load that falls between shear and its return.
 //!
 //! - `f` shear force since the last reversal (half of it after a reversal), N; `L` its limit, N
 //! - `k` initial stiffness, N/m; `gamma` exponent, 1/3 for Mindlin and Deresiewicz
@@ -100,6 +103,15 @@ impl PartialSlipMemory {
         } else if slip != DVec3::ZERO {
             self.axis = slip.normalize_or_zero();
         }
+    }
+
+    /// `shear` (N) at the end of a step over `slip` (m), held back where the step would return more
+    /// energy than the contact has stored; `before` is the shear at its start, N.
+    #[inline]
+    pub(crate) fn passive(&self, before: DVec3, shear: DVec3, slip: DVec3) -> DVec3 {
+        let excess = 0.5 * (before + shear).dot(slip) + self.energy;
+        let size2 = slip.length_squared();
+        if excess < 0.0 && size2 > 0.0 { shear - slip * (2.0 * excess / size2) } else { shear }
     }
 
     /// Book the `work` (J) done on the contact in a step that lost `slid` (J): the new energy

@@ -12,8 +12,8 @@
 //! Validity: goes with the hysteretic normal law. References: O. R. Walton, R. L. Braun,
 //! *J. Rheology* 30 (1986) 949-980, doi:10.1122/1.549893; thesis eq. 25-27.
 //! Departures: `F*` scales with the load, as its authors do; where `K0` follows the normal
-//! stiffness, a falling `K0` takes the force down with it (`contact::spring`); energy and loss by
-//! `partial_slip.rs`. Exponents other than 1/3 cost a general power a step.
+//! stiffness, a falling `K0` takes the force down with it (`contact::spring`); energy, loss and
+//! passivity by `partial_slip.rs`. Exponents other than 1/3 cost a general power a step.
 
 use super::partial_slip::PartialSlipMemory;
 use crate::contact::error::{LawError, positive};
@@ -145,6 +145,7 @@ impl TangentialLaw for WaltonBraunShear {
         let bearing = if star == 0.0 { limit } else { 0.5 * room };
         let slid =
             bearing * slipping * along.abs() + shear.length() * (trial - shear).length() / stiff;
+        let shear = m.passive(before, shear, slip);
         m.shear = shear;
         m.load = load;
         m.stiffness = k;
@@ -156,6 +157,76 @@ impl TangentialLaw for WaltonBraunShear {
             elastic_energy: m.energy,
             dissipated_power: lost / motion.dt,
             sliding,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    const PAIR: PairGeometry =
+        PairGeometry { r_star: 0.005, m_star: 0.01, radius_i: 0.01, radius_j: 0.01 };
+
+    fn slide(law: &WaltonBraunShear, m: &mut PartialSlipMemory, ds: f64) -> TangentialResponse {
+        let motion = Kinematics {
+            normal_i_to_j: DVec3::Z,
+            overlap: 1e-5,
+            overlap_rate: 0.0,
+            slip_velocity: DVec3::X * ds,
+            spin_i: DVec3::ZERO,
+            spin_j: DVec3::ZERO,
+            lever_i: 0.01,
+            lever_j: 0.01,
+            dt: 1.0,
+        };
+        let normal = NormalResponse { force: 10.0, friction_load: 10.0, ..Default::default() };
+        law.respond(&PAIR, &motion, &normal, m)
+    }
+
+    /// With L the room to the limit since the last reversal, the curve of both branches is
+    /// L (1 - (1 - (1 - gamma) K0 s/L)^(1/(1 - gamma))).
+    #[test]
+    fn loading_and_unloading_follow_the_integral_of_the_stiffness() {
+        for gamma in [1.0 / 3.0, 0.6] {
+            let law: WaltonBraunShear = WaltonBraunShearSpec {
+                stiffness: ShearStiffness::Fixed(1e6),
+                gamma,
+                friction: FrictionSpec { mu_static: 0.4, mu_kinetic: None, decay_speed: None },
+            }
+            .try_into()
+            .unwrap();
+            let curve = |s: f64, room: f64| {
+                room * (1.0 - (1.0 - (1.0 - gamma) * 1e6 * s / room).powf(1.0 / (1.0 - gamma)))
+            };
+            let mut m = PartialSlipMemory::default();
+            let (n, ds) = (20_000, 1.5e-10);
+            let mut t = 0.0;
+            // explicit steps: error of order 1/n of the limit of 4 N
+            for k in 1..=n {
+                t = -slide(&law, &mut m, ds).force_on_i.x;
+                assert!((t - curve(ds * f64::from(k), 4.0)).abs() < 1e-3 * 4.0, "{gamma} {k}");
+            }
+            let turn = t;
+            for k in 1..=n {
+                let r = slide(&law, &mut m, -ds);
+                let want = turn - curve(ds * f64::from(k), 4.0 + turn);
+                assert!((-r.force_on_i.x - want).abs() < 1e-3 * 4.0, "{gamma} {k}");
+                assert!(r.dissipated_power >= 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn an_exponent_outside_zero_to_one_is_refused() {
+        for gamma in [0.0, 1.0, f64::NAN] {
+            let spec = WaltonBraunShearSpec {
+                stiffness: ShearStiffness::OfNormal(0.8),
+                gamma,
+                friction: FrictionSpec { mu_static: 0.4, mu_kinetic: None, decay_speed: None },
+            };
+            assert!(WaltonBraunShear::try_from(spec).is_err());
         }
     }
 }
