@@ -20,6 +20,7 @@ use crate::neighbour::Period;
 use crate::noncontact::NonContactForce;
 use crate::particles::{ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
+use crate::simd::Level;
 use crate::threads::Team;
 use crate::timestep::{hertz_time, rayleigh_time};
 use crate::world::{Make, SPHERE, Scratch, State, World};
@@ -37,6 +38,18 @@ pub enum Axis {
     Y,
     /// Third coordinate.
     Z,
+}
+
+/// Instructions that the contact kernels may use. The choice changes no bit of the result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kernels {
+    /// The widest that the processor has.
+    #[default]
+    Fastest,
+    /// At most AVX2.
+    Avx2,
+    /// None but those that every processor has.
+    Portable,
 }
 
 #[derive(Debug, Clone)]
@@ -82,6 +95,7 @@ pub struct WorldBuilder<M> {
     bodies: Vec<Body>,
     skin: Option<f64>,
     threads: usize,
+    kernels: Kernels,
     overlap_limit: f64,
     time_step_fraction: Option<f64>,
     impact_speed: Option<f64>,
@@ -105,6 +119,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             bodies: Vec::new(),
             skin: None,
             threads: 1,
+            kernels: Kernels::Fastest,
             overlap_limit: 0.5,
             time_step_fraction: Some(1.0),
             impact_speed: None,
@@ -208,6 +223,12 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         self
     }
 
+    /// Instructions that the kernels may use (the widest by default).
+    pub fn kernels(&mut self, kernels: Kernels) -> &mut Self {
+        self.kernels = kernels;
+        self
+    }
+
     /// Largest overlap over the smaller radius before the run stops (0.5 by default).
     pub fn largest_overlap(&mut self, fraction: f64) -> &mut Self {
         self.overlap_limit = fraction;
@@ -302,6 +323,16 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 return Err(Error::PeriodTooShort { length: p.length, least });
             }
         }
+        let level = match (self.kernels, Level::detect()) {
+            (Kernels::Portable, _) | (_, Level::Portable) => Level::Portable,
+            (Kernels::Avx2, _) => Level::Avx2,
+            (Kernels::Fastest, level) => level,
+        };
+        let known = level != Level::Portable && neck == 0.0 && self.gap_forces.is_empty();
+        let fast = if known { crate::simd::constants(&laws) } else { None };
+        let first_material = state.bodies.mean_spin.first().map(|s| s.w);
+        let one_material =
+            first_material.filter(|m| state.bodies.mean_spin.iter().all(|s| s.w == *m));
         let mut state = state;
         state.walls = walls
             .iter()
@@ -327,6 +358,9 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 range,
                 gap_forces: self.gap_forces.clone(),
                 slots: slots.max(1),
+                level,
+                fast,
+                one_material: one_material.map(|m| m as usize),
                 overlap_limit: self.overlap_limit,
                 turning_wall,
             },

@@ -61,6 +61,7 @@ pub mod observe;
 pub mod particles;
 pub mod prelude;
 pub mod rigid;
+mod simd;
 pub mod snapshot;
 mod step;
 mod threads;

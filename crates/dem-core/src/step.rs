@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::contact::model::ContactLaw;
 use crate::error::Error;
-use crate::forces::MemoryRun;
+use crate::forces::{Late, MemoryRun};
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::LANES;
@@ -12,6 +12,7 @@ use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::rigid::FreeRotation;
+use crate::simd::{Level, PairKernel, Run};
 use crate::threads::for_each_chunk;
 use crate::world::{BodyYield, Make, Members, SPHERE, Scratch, World, Wrenches, sphere_view};
 
@@ -235,8 +236,20 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 ledger,
             }
         };
-        touching_pairs(&context, threads, &mut pairs, &mut s);
-        near_pairs(&context, threads, &mut pairs, &mut s);
+        let fast = if ledger { None } else { self.make.fast.as_deref() };
+        let only = self.make.one_material.map(|m| m * self.make.materials.len() + m);
+        let level = self.make.level;
+        let vector = fast.map(|all| crate::simd::PairKernel {
+            spheres: context.spheres,
+            constants: only.map_or(all, |k| &all[k..=k]),
+            materials: context.materials,
+            period: context.period,
+            dt,
+            overlap_limit: context.overlap_limit,
+        });
+        let vector = vector.as_ref().map(|kernel| (level, kernel));
+        touching_pairs(&context, vector, threads, &mut pairs, &mut s);
+        near_pairs(&context, vector, threads, &mut pairs, &mut s);
         wall_contacts(&context, &self.make, threads, &mut walls, &mut s);
         scatter_late(&mut s, context.spheres.position.len());
         s.placed = placed;
@@ -349,6 +362,7 @@ fn spin_of(momentum: DVec3, attitude: glam::DQuat, moments: DVec3) -> DVec3 {
 
 fn touching_pairs<M: ContactLaw>(
     context: &crate::forces::Contacts<'_, M>,
+    vector: Option<(Level, &PairKernel<'_>)>,
     threads: usize,
     pairs: &mut PairList,
     s: &mut Scratch,
@@ -359,13 +373,13 @@ fn touching_pairs<M: ContactLaw>(
         &mut s.wrenches.pair_torque_first,
         &mut s.wrenches.pair_torque_second,
     ] {
-        v.resize(n, Record::default());
+        v.resize(pairs.near_begin, Record::default());
     }
     s.pair_yield.resize_with(n.div_ceil(CHUNK), Default::default);
     let slots = pairs.slots;
     let (first, second) = (&pairs.first, &pairs.second);
     for_each_chunk!(threads, |c|
-    active in pairs.active[..n], CHUNK;
+    active in pairs.active[..pairs.near_begin], CHUNK;
     numbers in pairs.memory, CHUNK * slots;
     force in s.wrenches.pair_force, CHUNK;
     torque_first in s.wrenches.pair_torque_first, CHUNK;
@@ -374,21 +388,32 @@ fn touching_pairs<M: ContactLaw>(
     => {
         let into = &mut result[0];
         into.reset();
-        let mut memory = MemoryRun { slots, numbers };
-        for k in 0..active.len() {
-            let p = c * CHUNK + k;
-            let wrench = context
-                .pair(first[p], second[p], k, &mut active[k], &mut memory, into)
-                .unwrap_or_default();
-            force[k].set(wrench.force);
-            torque_first[k].set(wrench.torque_on_first);
-            torque_second[k].set(wrench.torque_on_second);
+        let begin = c * CHUNK;
+        let count = active.len().min(n - begin);
+        if let Some((level, kernel)) = vector {
+            let end = begin + active.len();
+            let (first, second) = (&first[begin..end], &second[begin..end]);
+            let run = Run {
+                pairs: count, first, second, active, memory: numbers, force, torque_first, torque_second };
+            kernel.touching(level, run, into);
+        } else {
+            let mut memory = MemoryRun { slots, numbers };
+            for k in 0..count {
+                let p = begin + k;
+                let wrench = context
+                    .pair(first[p], second[p], k, &mut active[k], &mut memory, into)
+                    .unwrap_or_default();
+                force[k].set(wrench.force);
+                torque_first[k].set(wrench.torque_on_first);
+                torque_second[k].set(wrench.torque_on_second);
+            }
         }
     });
 }
 
 fn near_pairs<M: ContactLaw>(
     context: &crate::forces::Contacts<'_, M>,
+    vector: Option<(Level, &PairKernel<'_>)>,
     threads: usize,
     pairs: &mut PairList,
     s: &mut Scratch,
@@ -406,13 +431,29 @@ fn near_pairs<M: ContactLaw>(
     => {
         let into = &mut result[0];
         into.reset();
+        let begin = c * CHUNK;
+        let (first, second) = (&first[begin..], &second[begin..]);
         let mut memory = MemoryRun { slots, numbers };
-        for k in 0..active.len() {
-            let p = c * CHUNK + k;
-            let (a, b) = (first[p], second[p]);
-            let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into);
-            if let Some(wrench) = wrench {
-                into.late.push(crate::forces::Late { first: a, second: b, wrench });
+        let mut look = |k: usize, active: &mut u8| {
+            let (a, b) = (first[k], second[k]);
+            if let Some(wrench) = context.pair(a, b, k, active, &mut memory, into) {
+                into.late.push(Late { first: a, second: b, wrench });
+            }
+        };
+        // The vector kernel passes over blocks in which nothing touches or touched.
+        let blocks = if vector.is_some() { active.len() / LANES } else { 0 };
+        for (block, active) in active.chunks_mut(LANES).enumerate() {
+            let k = block * LANES;
+            let mut touch = u8::MAX;
+            if let (Some((level, kernel)), true) = (vector, block < blocks) {
+                if let (Some(f), Some(s)) = (first[k..].first_chunk(), second[k..].first_chunk()) {
+                    touch = kernel.touch(level, f, s);
+                }
+            }
+            for (lane, active) in active.iter_mut().enumerate() {
+                if touch >> lane & 1 != 0 || *active != 0 {
+                    look(k + lane, active);
+                }
             }
         }
     });

@@ -103,6 +103,12 @@ pub(crate) struct Make<M> {
     pub(crate) gap_forces: Vec<Arc<dyn GapForce>>,
     /// Numbers stored a contact: at least one, so that every run of contacts has chunks.
     pub(crate) slots: usize,
+    /// Instructions that the kernels use.
+    pub(crate) level: crate::simd::Level,
+    /// Constants of all laws, if the vector kernel knows them.
+    pub(crate) fast: Option<Vec<crate::simd::Constants>>,
+    /// Material of all particles, if they have but one.
+    pub(crate) one_material: Option<usize>,
     pub(crate) overlap_limit: f64,
     /// Wall whose turn displacements may be measured against.
     pub(crate) turning_wall: Option<usize>,
