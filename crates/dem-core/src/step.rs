@@ -12,7 +12,7 @@ use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::rigid::FreeRotation;
-use crate::simd::{Level, PairKernel, Run};
+use crate::simd::{Level, PairKernel, Run, widened};
 use crate::threads::for_each_chunk;
 use crate::world::{BodyYield, Make, Members, SPHERE, Scratch, World, Wrenches, sphere_view};
 
@@ -86,7 +86,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// First half of the step; returns whether the list may miss a pair now.
     fn drift(&mut self) -> bool {
         let threads = self.team.threads();
-        let (dt, integrator) = (self.make.dt, self.integrator);
+        let (dt, integrator, level) = (self.make.dt, self.integrator, self.make.level);
         let limit = (0.5 * self.make.skin).powi(2);
         let frame = self.turn_since_list((self.state.step + 1) as f64 * dt);
         let b = &mut self.state.bodies;
@@ -106,29 +106,31 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         result in chunks, 1
         => {
             let begin = c * CHUNK;
-            let mut moved_far = false;
-            for k in 0..position.len() {
-                let g = begin + k;
-                let mut memory = linear[k].vector();
-                let d = integrator.drift(
-                    velocity[g].vector(), acceleration[g].vector(), &mut memory, dt);
-                linear[k].set(memory);
-                position[k].add(d.displacement);
-                mean_velocity[k].set(d.displacement / dt);
-                end_velocity[k].set(d.end_velocity);
-                // A clump has no single moment of inertia: it turns elsewhere.
-                if spin[g].w > 0.0 {
-                    let mut memory = turn[k].vector();
-                    let d = integrator.drift(
-                        spin[g].vector(), angular[g].vector(), &mut memory, dt);
-                    turn[k].set(memory);
-                    mean_spin[k].set(d.displacement / dt);
+            result[0].moved_far = widened(level, #[inline(always)] || {
+                let mut moved_far = false;
+                for k in 0..position.len() {
+                    let g = begin + k;
+                    let mut memory = recall::<I>(&linear[k]);
+                    let (v, a) = (velocity[g].vector(), acceleration[g].vector());
+                    let d = integrator.drift(v, a, &mut memory, dt);
+                    remember::<I>(&mut linear[k], memory);
+                    position[k].add(d.mean_velocity * dt);
+                    mean_velocity[k].set(d.mean_velocity);
+                    end_velocity[k].set(d.end_velocity);
+                    // A clump has no single moment of inertia: it turns elsewhere.
+                    if spin[g].w > 0.0 {
+                        let mut memory = recall::<I>(&turn[k]);
+                        let (w, a) = (spin[g].vector(), angular[g].vector());
+                        let d = integrator.drift(w, a, &mut memory, dt);
+                        remember::<I>(&mut turn[k], memory);
+                        mean_spin[k].set(d.mean_velocity);
+                    }
+                    let moved = position[k].vector() - frame.image(reference[g].vector());
+                    let moved = moved.length_squared();
+                    moved_far |= moved > limit || moved.is_nan();
                 }
-                let moved = position[k].vector() - frame.image(reference[g].vector());
-                // Written so that a position that is not a number counts as moved.
-                moved_far |= !(moved.length_squared() <= limit);
-            }
-            result[0].moved_far = moved_far;
+                moved_far
+            });
         });
         if self.has_clumps() {
             self.turn_clumps();
@@ -261,7 +263,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Collect forces and bring the velocities to the end of the step (`dt` 0: forces only).
     fn kick(&mut self, dt: f64) {
         let threads = self.team.threads();
-        let integrator = self.integrator;
+        let (integrator, level) = (self.integrator, self.make.level);
         let ledger = self.ledger_wanted;
         let gravity = self.make.gravity.at(self.time());
         let gravity_rate = self.gravity_rate();
@@ -285,6 +287,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         result in chunks, 1
         => {
             let mut flow = crate::energy::Flow::default();
+            widened(level, #[inline(always)] || {
             for k in 0..velocity.len() {
                 let g = c * CHUNK + k;
                 let (mut force, torque) = if clumps {
@@ -302,26 +305,26 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 if ledger {
                     flow.gravity_turn -= mass * gravity_rate.dot(position[g].vector());
                 }
-                let new = force / mass + gravity;
+                let new = force * (1.0 / mass) + gravity;
                 let old = acceleration[k].vector();
                 acceleration[k].set(new);
                 let moment = spin[k].w;
                 let old_turn = angular[k].vector();
-                let new_turn = if moment > 0.0 { torque / moment } else { torque };
+                let new_turn = if moment > 0.0 { torque * (1.0 / moment) } else { torque };
                 angular[k].set(new_turn);
                 if dt == 0.0 {
                     continue;
                 }
-                let mut memory = linear[k].vector();
+                let mut memory = recall::<I>(&linear[k]);
                 let v = integrator.kick(velocity[k].vector(), old, new, &mut memory, dt);
                 velocity[k].set(v);
-                linear[k].set(memory);
+                remember::<I>(&mut linear[k], memory);
                 if moment > 0.0 {
-                    let mut memory = turn[k].vector();
+                    let mut memory = recall::<I>(&turn[k]);
                     let w = integrator.kick(
                         spin[k].vector(), old_turn, new_turn, &mut memory, dt);
                     spin[k].set(w);
-                    turn[k].set(memory);
+                    remember::<I>(&mut turn[k], memory);
                 } else {
                     let momentum = turn[k].vector() + torque * (0.5 * dt);
                     turn[k].set(momentum);
@@ -329,6 +332,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     spin[k].set(spin_of(momentum, m.attitude[g], moments));
                 }
             }
+            });
             result[0].flow = flow;
         });
         self.scratch.body_yield = chunks;
@@ -352,6 +356,20 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             };
             b.angular_memory[k].set(memory);
         }
+    }
+}
+
+/// What the integrator remembers, if it does.
+#[inline(always)]
+fn recall<I: Integrator>(record: &Record) -> DVec3 {
+    if I::REMEMBERS { record.vector() } else { DVec3::ZERO }
+}
+
+/// Keep what the integrator remembers, if it does.
+#[inline(always)]
+fn remember<I: Integrator>(record: &mut Record, memory: DVec3) {
+    if I::REMEMBERS {
+        record.set(memory);
     }
 }
 
@@ -555,21 +573,22 @@ impl Collect<'_> {
     #[inline(always)]
     fn sphere(&self, k: usize) -> (DVec3, DVec3) {
         let (p, w) = (self.pairs, self.w);
-        let mut force = w.late_force[k].vector();
-        let mut torque = w.late_torque[k].vector();
-        for pair in p.touching_start[k] as usize..p.touching_start[k + 1] as usize {
-            force += w.pair_force[pair].vector();
-            torque += w.pair_torque_first[pair].vector();
+        let (mut force, mut torque) = (w.late_force[k], w.late_torque[k]);
+        let touching = p.touching_start[k] as usize..p.touching_start[k + 1] as usize;
+        for (f, t) in w.pair_force[touching.clone()].iter().zip(&w.pair_torque_first[touching]) {
+            force = force.plus(f);
+            torque = torque.plus(t);
         }
         for &pair in &p.second_of[p.second_start[k] as usize..p.second_start[k + 1] as usize] {
-            force -= w.pair_force[pair as usize].vector();
-            torque += w.pair_torque_second[pair as usize].vector();
+            force = force.minus(&w.pair_force[pair as usize]);
+            torque = torque.plus(&w.pair_torque_second[pair as usize]);
         }
-        for entry in self.walls.start[k] as usize..self.walls.start[k + 1] as usize {
-            force += w.wall_force[entry].vector();
-            torque += w.wall_torque[entry].vector();
+        let entries = self.walls.start[k] as usize..self.walls.start[k + 1] as usize;
+        for (f, t) in w.wall_force[entries.clone()].iter().zip(&w.wall_torque[entries]) {
+            force = force.plus(f);
+            torque = torque.plus(t);
         }
-        (force, torque)
+        (force.vector(), torque.vector())
     }
 
     /// Force and torque about the centre of a body of several spheres.

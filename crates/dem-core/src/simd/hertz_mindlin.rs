@@ -260,7 +260,9 @@ impl PairKernel<'_> {
         let (torque_second, _) = run.torque_second.as_chunks_mut::<8>();
         let each = first.iter().zip(second).zip(active).zip(memory).zip(force);
         let each = each.zip(torque_first).zip(torque_second).enumerate();
-        for (k, ((((((first, second), active), memory), force), torque_first), torque_second)) in each {
+        for (k, ((((((first, second), active), memory), force), torque_first), torque_second)) in
+            each
+        {
             let left = run.pairs.saturating_sub(8 * k);
             let valid = if left >= 8 { u8::MAX } else { (1u8 << left) - 1 };
             let mut block = Block {
@@ -301,8 +303,7 @@ impl PairKernel<'_> {
     unsafe fn block<V: Lanes>(&self, b: &mut Block<'_>) {
         let s = &self.spheres;
         // SAFETY: by the caller.
-        let (pi, pj) =
-            unsafe { (V::gather(s.position, b.first), V::gather(s.position, b.second)) };
+        let (pi, pj) = unsafe { (V::gather(s.position, b.first), V::gather(s.position, b.second)) };
         let mut d = V3::of(pj) - V3::of(pi);
         if let Some(p) = self.period {
             d = shortest(p, d);

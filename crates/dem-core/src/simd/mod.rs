@@ -4,7 +4,10 @@
 //! registers, and the widest that the processor has is chosen when a world runs. Every operation
 //! is the same, in the same order, as in the portable kernel, and none is fused: so the bits of
 //! the result are those of the portable kernel, on every processor.
-#![expect(unsafe_code, reason = "vector instructions and unchecked gathers; nothing else in the crate is")]
+#![expect(
+    unsafe_code,
+    reason = "vector instructions and unchecked gathers; nothing else in the crate is"
+)]
 
 mod avx;
 mod hertz_mindlin;
@@ -90,7 +93,9 @@ impl Constants {
 
 /// Constants of all laws of a table, if the kernel knows every one of them.
 pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
-    laws.iter().map(|law| Constants::of::<true>(law).or_else(|| Constants::of::<false>(law))).collect()
+    laws.iter()
+        .map(|law| Constants::of::<true>(law).or_else(|| Constants::of::<false>(law)))
+        .collect()
 }
 
 /// Run `work` compiled for the instructions of `level`: the same operations, wider registers.
