@@ -122,7 +122,8 @@ mod tests {
 
     #[test]
     fn a_twist_of_a_quarter_turn_turns_x_into_y() {
-        let t = transport_vector(DVec3::X, DVec3::Z, std::f64::consts::FRAC_PI_2);
+        // Turned by 2 atan(twist / 2): a twist of 2 is a quarter turn.
+        let t = transport_vector(DVec3::X, DVec3::Z, 2.0);
         assert!((t - DVec3::Y).length() < 1e-15);
     }
 
