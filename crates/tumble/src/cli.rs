@@ -28,6 +28,74 @@ pub(crate) enum Command {
         after_help = "Examples:\n  tumble calibrate AZ4_Steel\n  tumble calibrate my_case.toml --out results\n  tumble calibrate AZ1_Plexi AZ2_Plexi AZ1_Steel AZ2_Steel   # one bead friction for all"
     )]
     Calibrate(CalibrateArgs),
+    /// Measure angle of repose and centre of area on photographs or simulated frames.
+    #[command(
+        after_help = "Example:\n  tumble measure photographs/17rpm --speed 17 --out measured"
+    )]
+    Measure(MeasureArgs),
+    /// Write a page on which a person marks the bed of a powdery drum.
+    #[command(after_help = "Example:\n  tumble roi photographs/17rpm/001.jpg")]
+    Roi(RoiArgs),
+    /// Film particle positions of any code through a camera.
+    #[command(
+        after_help = "Example:\n  tumble film positions.csv --drum-radius 0.125 --drum-length 0.15 --set exposure.seconds=0"
+    )]
+    Film(FilmArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MeasureArgs {
+    /// Pictures (PNG, JPEG, TIFF, BMP) or folders of them.
+    #[arg(required = true, value_name = "FRAMES")]
+    pub(crate) frames: Vec<PathBuf>,
+    /// Settings of the image chain (TOML); everything has a default.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Region side-car that `tumble roi` made, for powdery drums.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) roi: Option<PathBuf>,
+    /// Rotation speed of the series, rpm: for the Froude number and the row of responses.csv.
+    #[arg(long, value_name = "RPM")]
+    pub(crate) speed: Option<f64>,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Folder for overlays and results [default: tumble-out/measure].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RoiArgs {
+    /// The picture.
+    pub(crate) image: PathBuf,
+    /// Folder for the page [default: tumble-out/roi].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct FilmArgs {
+    /// Positions (CSV `frame,x,y,z,radius`, metres; drum axis z through the origin, y up).
+    pub(crate) positions: PathBuf,
+    /// Inner radius of the drum, m.
+    #[arg(long, value_name = "M")]
+    pub(crate) drum_radius: f64,
+    /// Inner length of the drum, m.
+    #[arg(long, value_name = "M")]
+    pub(crate) drum_length: f64,
+    /// `PATH=VALUE`: set a parameter of the camera, for instance camera.roll_deg=1.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = path_value)]
+    pub(crate) settings: Vec<(String, f64)>,
+    /// Width of a frame, pixels; the height follows at 3:2.
+    #[arg(long, default_value_t = 1936)]
+    pub(crate) width: u32,
+    /// Also write an animated GIF.
+    #[arg(long)]
+    pub(crate) gif: bool,
+    /// Folder for the frames [default: tumble-out/film].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -99,6 +167,13 @@ impl From<Errata> for ErrataLevel {
             Errata::Likely => Self::Likely,
         }
     }
+}
+
+fn path_value(text: &str) -> Result<(String, f64), String> {
+    let (path, value) =
+        text.split_once('=').ok_or("expected PATH=VALUE, for instance camera.roll_deg=1")?;
+    let value: f64 = value.parse().map_err(|_| format!("`{value}` is not a number"))?;
+    Ok((path.to_owned(), value))
 }
 
 fn factor_scale(text: &str) -> Result<(String, f64), String> {

@@ -19,6 +19,17 @@ pub(crate) enum InputError {
     /// Cases that are given twice.
     #[error("case `{name}` is given twice; expected each once")]
     Twice { name: String },
+    /// A folder without pictures.
+    #[error("{path} holds no picture; expected PNG, JPEG, TIFF or BMP files")]
+    NoPictures { path: String },
+    /// A row of a table of positions.
+    #[error(
+        "{path}, line {line}: {problem}; expected frame,x,y,z,radius with a whole number and four finite lengths, m"
+    )]
+    Position { path: String, line: u64, problem: String },
+    /// Every frame was rejected.
+    #[error("no frame of {total} could be measured; the first: {reason}")]
+    NothingMeasured { total: usize, reason: String },
     /// An output folder that is a file.
     #[error("{path} is not a folder; expected a folder to write to, or a path that does not exist")]
     NotFolder { path: String },
@@ -31,6 +42,8 @@ pub(crate) fn is_input_fault(error: &anyhow::Error) -> bool {
             || e.is::<rig_schema::SchemaError>()
             || e.is::<calib::CalibError>()
             || e.is::<doe::DoeError>()
+            || e.is::<drum_vision::VisionError>()
+            || e.is::<drum_film::Error>()
     })
 }
 

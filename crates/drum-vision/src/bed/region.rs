@@ -67,5 +67,9 @@ pub fn trace_region(
             filled[y * w + x] = r < limit && (r > prepared.hub_px || prepared.hub_px == 0.0);
         }
     }
-    curve_of_mask(&filled, prepared, config, 1)
+    let mut curve = curve_of_mask(&filled, prepared, config, 1)?;
+    // A person follows the surface to a pixel or two between corners; the scatter of columns does not show that.
+    curve.level_shift_px.fill(0.4);
+    curve.level_scatter = 1.0;
+    Ok(curve)
 }

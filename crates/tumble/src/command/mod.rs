@@ -2,4 +2,7 @@
 
 pub(crate) mod calibrate;
 pub(crate) mod cases;
+pub(crate) mod film;
 pub(crate) mod fit;
+pub(crate) mod measure;
+pub(crate) mod roi;
