@@ -1,52 +1,11 @@
 //! The film's share of the one namespace of parameters: every declared path reads and sets one field.
 //!
-//! The rows of the camera layer are those of [`rig_schema::namespace::CAMERA`]; [`EXTRA`] adds what only this crate knows. A
-//! parameter that is accepted is used: [`Film::set`] refuses an unknown path and names the nearest one.
+//! The rows are those of [`rig_schema::namespace::CAMERA`]. A parameter that is accepted is used: [`Film::set`] refuses an unknown path and names the nearest one.
 
-use rig_schema::{Layer, Parameter, Sign};
+use rig_schema::Parameter;
 
 use crate::error::Error;
 use crate::film::Film;
-
-/// Parameters of the camera layer beyond those that every rig knows.
-pub const EXTRA: &[Parameter] = &[
-    Parameter {
-        path: "camera.ring_standoff_m",
-        unit: "m",
-        nominal: Some(0.0),
-        range: (-0.05, 0.05),
-        sign: Sign::Positive,
-        layer: Layer::Camera,
-        meaning: "distance of the ring in front of the inner face of the front plate",
-    },
-    Parameter {
-        path: "light.gradient",
-        unit: "1/R",
-        nominal: Some(0.0),
-        range: (-0.5, 0.5),
-        sign: Sign::Either,
-        layer: Layer::Camera,
-        meaning: "relative change of the light over one drum radius",
-    },
-    Parameter {
-        path: "light.defocus_px",
-        unit: "px",
-        nominal: Some(0.0),
-        range: (0.0, 20.0),
-        sign: Sign::Positive,
-        layer: Layer::Camera,
-        meaning: "standard deviation of the lens's spot",
-    },
-    Parameter {
-        path: "light.shot_noise",
-        unit: "1",
-        nominal: Some(0.0),
-        range: (0.0, 0.2),
-        sign: Sign::Positive,
-        layer: Layer::Camera,
-        meaning: "standard deviation of photon noise at full scale, over full scale",
-    },
-];
 
 /// Every parameter of the film.
 ///
@@ -55,8 +14,7 @@ pub const EXTRA: &[Parameter] = &[
 /// assert!(paths.contains(&"camera.roll_deg") && paths.contains(&"light.defocus_px"));
 /// ```
 pub fn parameters() -> impl Iterator<Item = &'static Parameter> + Clone {
-    let own = EXTRA.iter().filter(|e| rig_schema::namespace::find(e.path).is_none());
-    rig_schema::namespace::CAMERA.iter().chain(own)
+    rig_schema::namespace::CAMERA.iter()
 }
 
 impl Film {

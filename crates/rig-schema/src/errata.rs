@@ -226,6 +226,9 @@ fn correct(e: &Erratum, cells: &mut [Option<Cell>; 4]) -> Result<(), SchemaError
             return Ok(());
         }
         if e.column == r.sd_column() {
+            if printed.is_some() && printed != cell.sd {
+                return Err(misfit(e, &format!("the table has {:?}, not {}", cell.sd, e.printed)));
+            }
             cell.sd = if e.action == Action::Missing { None } else { e.suggested };
             return Ok(());
         }

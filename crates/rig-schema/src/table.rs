@@ -119,14 +119,13 @@ impl MeasuredTable {
 }
 
 impl SimulatedTable {
-    /// Columns of the header that are neither `run`, `omega_rpm`, a count of frames nor a
-    /// response: what a table without a case varies.
+    /// Columns of the header that are neither `run`, `omega_rpm` nor a response: what a table
+    /// without a case varies.
     pub fn factor_columns(text: &str) -> Vec<String> {
         let header = text.lines().find(|l| !l.starts_with('#') && !l.trim().is_empty());
         let own = |c: &str| {
             let response = |r: &Response| r.column() == c || r.sd_column() == c;
-            ["run", "omega_rpm", "n_frames", "n_eff"].contains(&c)
-                || Response::ALL.iter().any(response)
+            ["run", "omega_rpm"].contains(&c) || Response::ALL.iter().any(response)
         };
         header
             .unwrap_or_default()
@@ -142,7 +141,7 @@ impl SimulatedTable {
     /// # Errors
     /// As [`MeasuredTable::parse`]; a run number that stands twice.
     pub fn parse(file: &str, text: &str, factors: &[&str]) -> Result<Self, SchemaError> {
-        let mut known: Vec<&str> = vec!["run", "omega_rpm", "n_frames", "n_eff"];
+        let mut known: Vec<&str> = vec!["run", "omega_rpm"];
         known.extend(factors);
         known.extend(Response::ALL.iter().flat_map(|r| [r.column(), r.sd_column()]));
         let sheet = Sheet::parse(file, text, &known)?;

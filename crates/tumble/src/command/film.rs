@@ -47,17 +47,13 @@ pub(crate) fn run(args: &FilmArgs) -> anyhow::Result<()> {
     if preview.is_empty() {
         return Err(InputError::Position { path, line: 1, problem: "no rows".to_owned() }.into());
     }
-    let count = std::fs::read_dir(&folder)?
-        .filter_map(Result::ok)
-        .filter(|e| e.file_name().to_string_lossy().starts_with("frame_"))
-        .count();
     let strip = contact_sheet(&preview, preview.len().min(3) as u32)?;
     strip.save(folder.join("preview.png"))?;
     if args.gif {
         let mut file = std::io::BufWriter::new(std::fs::File::create(folder.join("film.gif"))?);
         drum_film::gif::write_gif(&all, 100, &mut file)?;
     }
-    println!("{count} frames and preview.png in {}", folder.display());
+    println!("{} frames and preview.png in {}", bar.position(), folder.display());
     Ok(())
 }
 

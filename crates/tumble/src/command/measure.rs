@@ -65,8 +65,13 @@ pub(crate) fn run(args: &MeasureArgs) -> anyhow::Result<()> {
     let json = serde_json::to_string_pretty(&report)?;
     output::write(&folder, "result.json", &json)?;
     output::write(&folder, "frames.csv", &frame_table(&report))?;
-    if let Some(row) = args.speed.and_then(|s| report.csv_row(s)) {
-        let text = format!("{}\n{row}\n", SeriesReport::CSV_HEADER);
+    if let (Some(row), Some(r)) = (args.speed.and_then(|s| report.csv_row(s)), &report.responses) {
+        let n_eff = r.aor_lin_deg.n_eff;
+        let text = format!(
+            "{},n_frames,n_eff\n{row},{},{n_eff:.2}\n",
+            SeriesReport::CSV_HEADER,
+            report.n_frames
+        );
         output::write(&folder, "responses.csv", &text)?;
     }
     if args.json {

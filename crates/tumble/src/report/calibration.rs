@@ -198,8 +198,7 @@ pub(crate) fn warnings(parts: &Parts<'_>) -> Vec<String> {
         let (low, high) = parts.study.surrogate.speed_range_rpm();
         let list: Vec<String> = left_out.iter().map(f64::to_string).collect();
         warnings.push(format!(
-            "{} measured speeds lie beyond the simulated {low} to {high} rpm and are left out: {} rpm",
-            left_out.len(),
+            "measured speeds beyond the simulated {low} to {high} rpm are left out: {} rpm",
             list.join(", ")
         ));
     }
