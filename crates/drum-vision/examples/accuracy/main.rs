@@ -18,7 +18,7 @@ fn main() {
     let size = (width, width * 2 / 3);
     let config = drum_vision::VisionConfig::default();
     let verbose = std::env::var_os("VERBOSE").is_some();
-type Maker = fn(u64, (u32, u32)) -> scenes::Case;
+    type Maker = fn(u64, (u32, u32)) -> scenes::Case;
     let makers: [(&str, Maker); 2] = [("clean", scenes::clean), ("degraded", scenes::degraded)];
     for (name, make) in makers {
         let all: Vec<Row> = (0..n)
@@ -51,7 +51,9 @@ fn report(name: &str, all: &[Row], verbose: bool) {
             println!("  frame {k}: {}: {e}", e.stage());
         }
     }
-    println!("  response   p50|err|  p95|err|  max|err|      bias       rms   med(u)  cover2u  med(u)/rms med(u)/p50");
+    println!(
+        "  response   p50|err|  p95|err|  max|err|      bias       rms   med(u)  cover2u  med(u)/rms med(u)/p50"
+    );
     for (k, label) in ["aor_lin", "aor_mid", "cen_x", "cen_y"].iter().enumerate() {
         let e: Vec<f64> = good.iter().map(|o| o.error[k]).collect();
         let a: Vec<f64> = e.iter().map(|v| v.abs()).collect();
@@ -63,22 +65,46 @@ fn report(name: &str, all: &[Row], verbose: bool) {
         let q = scenes::quantile;
         println!(
             "  {label:8} {:9.4} {:9.4} {:9.4} {bias:9.4} {rms:9.4} {:8.4} {:7.1}% {:9.2} {:9.2}",
-            q(&a, 0.5), q(&a, 0.95), q(&a, 1.0), q(&u, 0.5), 100.0 * cover,
-            q(&u, 0.5) / rms, q(&u, 0.5) / q(&a, 0.5)
+            q(&a, 0.5),
+            q(&a, 0.95),
+            q(&a, 1.0),
+            q(&u, 0.5),
+            100.0 * cover,
+            q(&u, 0.5) / rms,
+            q(&u, 0.5) / q(&a, 0.5)
         );
     }
     for (k, label) in ["x", "y", "r"].iter().enumerate() {
         let e: Vec<f64> = good.iter().map(|o| o.circle[k]).collect();
         let a: Vec<f64> = e.iter().map(|v| v.abs()).collect();
-        println!("  circle {label}: bias {:.4} px, p95 {:.4} px", e.iter().sum::<f64>() / e.len() as f64, scenes::quantile(&a, 0.95));
+        println!(
+            "  circle {label}: bias {:.4} px, p95 {:.4} px",
+            e.iter().sum::<f64>() / e.len() as f64,
+            scenes::quantile(&a, 0.95)
+        );
     }
     if verbose {
         let mut worst: Vec<&Row> = all.iter().filter(|r| r.2.is_ok()).collect();
-        let score = |r: &Row| r.2.as_ref().map_or(0.0, |o| o.error[0].abs().max(o.error[1].abs()).max(o.error[2].abs()).max(o.error[3].abs()));
+        let score = |r: &Row| {
+            r.2.as_ref().map_or(0.0, |o| {
+                o.error[0].abs().max(o.error[1].abs()).max(o.error[2].abs()).max(o.error[3].abs())
+            })
+        };
         worst.sort_by(|a, b| score(b).total_cmp(&score(a)));
         for r in worst.iter().take(15) {
             let o = r.2.as_ref().unwrap();
-            println!("  frame {:4} fill {:.2} lin {:.1} s {:.1} curv {:+.2} {:?}: err {:.3?} u {:.3?} circle {:.3?}", r.0, r.1.fill, r.1.aor_lin_deg, r.1.s_shape_deg, r.1.curvature, r.1.raised, o.error, o.sd, o.circle);
+            println!(
+                "  frame {:4} fill {:.2} lin {:.1} s {:.1} curv {:+.2} {:?}: err {:.3?} u {:.3?} circle {:.3?}",
+                r.0,
+                r.1.fill,
+                r.1.aor_lin_deg,
+                r.1.s_shape_deg,
+                r.1.curvature,
+                r.1.raised,
+                o.error,
+                o.sd,
+                o.circle
+            );
         }
     }
 }
