@@ -1,44 +1,10 @@
 //! A hundred frames of another renderer (fixtures/film/independent.py: numpy, SciPy and Pillow, another curve, another texture).
 
-use std::path::{Path, PathBuf};
-
 use drum_vision::{Context, VisionConfig, decode, measure_frame};
 use rayon::prelude::*;
 
+use crate::other_renderer::rows;
 use crate::scenes::quantile;
-
-struct Row {
-    path: PathBuf,
-    degraded: bool,
-    truth: [f64; 4],
-    circle: [f64; 3],
-}
-
-fn rows() -> Option<Vec<Row>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/film/independent");
-    let table = match std::fs::read_to_string(folder.join("truth.csv")) {
-        Ok(table) => table,
-        Err(e) => {
-            eprintln!("skipped: {}: {e}", folder.display());
-            return None;
-        }
-    };
-    let rows = table
-        .lines()
-        .skip(1)
-        .map(|line| {
-            let cells: Vec<&str> = line.split(',').collect();
-            let number = |k: usize| cells[k].parse::<f64>().unwrap();
-            Row {
-                path: folder.join(cells[0]),
-                degraded: cells[1] == "degraded",
-                truth: [number(3), number(4), number(5), number(6)],
-                circle: [number(8), number(9), number(10)],
-            }
-        })
-        .collect();
-    Some(rows)
-}
 
 #[test]
 fn frames_of_another_renderer_are_read_within_the_limits() {

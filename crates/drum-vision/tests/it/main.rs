@@ -7,6 +7,7 @@ mod accuracy;
 mod bad_input;
 mod independent;
 mod oracles;
+mod other_renderer;
 mod photographs;
 mod scenes;
 mod series;
