@@ -56,7 +56,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (lin, mid) = (m.aor_lin_deg(), m.aor_mid_deg());
             println!(
                 "with side-car: aor_lin {:.2} +- {:.2} (drawn {:.2}), aor_mid {:.2} +- {:.2} (drawn {:.2})",
-                lin.value, lin.sd, made.truth.aor_lin_deg, mid.value, mid.sd, made.truth.aor_mid_deg
+                lin.value,
+                lin.sd,
+                made.truth.aor_lin_deg,
+                mid.value,
+                mid.sd,
+                made.truth.aor_mid_deg
             );
         }
         _ => return Err("say `page FOLDER` or `measure FOLDER SIDECAR`".into()),

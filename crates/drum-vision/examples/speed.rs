@@ -52,7 +52,8 @@ fn film(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     film.defocus.sigma_px = 1.0;
     film.noise.read = 0.01;
     for k in 0..30u64 {
-        let bed = Bed { aor_lin_deg: 30.0 + 0.1 * (k % 7) as f64, s_shape_deg: 3.0, ..Bed::default() };
+        let bed =
+            Bed { aor_lin_deg: 30.0 + 0.1 * (k % 7) as f64, s_shape_deg: 3.0, ..Bed::default() };
         let picture = film.bed_frame(&bed, k)?.image;
         let file = std::fs::File::create(folder.join(format!("frame_{k:02}.jpg")))?;
         image::codecs::jpeg::JpegEncoder::new_with_quality(file, 92).encode(

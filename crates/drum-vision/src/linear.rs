@@ -6,10 +6,8 @@ pub(crate) fn solve_normal<const N: usize>(a: &[[f64; N]; N], b: &[f64; N]) -> O
     let mut l = [[0.0; N]; N];
     for i in 0..N {
         for j in 0..=i {
-            let mut s = a[i][j];
-            for k in 0..j {
-                s -= l[i][k] * l[j][k];
-            }
+            let products: f64 = l[i][..j].iter().zip(&l[j][..j]).map(|(p, q)| p * q).sum();
+            let s = a[i][j] - products;
             if i == j {
                 if !s.is_finite() || s <= 1e-12 * a[i][i].abs() {
                     return None;

@@ -13,9 +13,7 @@ use crate::frame::Frame;
 use crate::measure::{Context, FrameMeasurement, Measured, Warning, measure_frame};
 use crate::regime::{Regime, Signs, froude, guess};
 use crate::sidecar::RegionSidecar;
-use crate::statistics::{
-    covariance, effective_number, mean, median, standard_deviation,
-};
+use crate::statistics::{covariance, effective_number, mean, median, standard_deviation};
 use crate::surface::RaisedSide;
 
 /// Names of the four responses, in the order of the covariance.
@@ -183,15 +181,13 @@ pub fn measure_series(
         .enumerate()
         .map(|(index, path)| {
             let decoded = guarded(|| decode_file(path, &config.decode));
-            let outcome = decoded.as_ref().map_err(|_| ()).and_then(|frame| {
-                Ok(guarded(|| {
-                    measure_frame(frame, config, Context { reference: reference.as_ref(), region })
-                }))
-            });
-            let (frame, outcome) = match (decoded, outcome) {
-                (Ok(frame), Ok(outcome)) => (Some(frame), outcome),
-                (Err(e), _) => (None, Err(e)),
-                (Ok(_), Err(())) => unreachable!("an outcome exists for every decoded frame"),
+            let (frame, outcome) = match decoded {
+                Ok(frame) => {
+                    let context = Context { reference: reference.as_ref(), region };
+                    let outcome = guarded(|| measure_frame(&frame, config, context));
+                    (Some(frame), outcome)
+                }
+                Err(e) => (None, Err(e)),
             };
             progress(&Progress {
                 index,
@@ -205,7 +201,10 @@ pub fn measure_series(
         .collect();
     let named = paths
         .iter()
-        .map(|p| p.file_name().map_or_else(|| p.display().to_string(), |n| n.to_string_lossy().into_owned()))
+        .map(|p| {
+            p.file_name()
+                .map_or_else(|| p.display().to_string(), |n| n.to_string_lossy().into_owned())
+        })
         .zip(outcomes);
     Ok(summarise(named, config))
 }
@@ -314,8 +313,7 @@ impl SeriesReport {
     }
 
     /// Header of the measured-responses table.
-    pub const CSV_HEADER: &'static str =
-        "omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd";
+    pub const CSV_HEADER: &'static str = "omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd";
 }
 
 fn four(f: &FrameReport) -> [Measured; 4] {
@@ -360,7 +358,10 @@ fn summaries(series: &[Vec<f64>; 4], frames: &[FrameReport]) -> Option<ResponseS
             mean: mean(&series[k])?,
             sd: standard_deviation(&series[k]),
             n_eff: effective_number(&series[k]),
-            lag_one: crate::statistics::autocorrelation(&series[k], 1).get(1).copied().unwrap_or(0.0),
+            lag_one: crate::statistics::autocorrelation(&series[k], 1)
+                .get(1)
+                .copied()
+                .unwrap_or(0.0),
             frame_sd: median(&column_of(frames, |f| four(f)[k].sd))?,
         })
     };

@@ -86,12 +86,7 @@ pub fn smooth(x: &[f64], y: &[f64], pieces: usize) -> Option<Smoothed> {
 
 /// The same with some points left out from the start (`accepted` false): they get weight 0.
 #[must_use]
-pub fn smooth_weighted(
-    x: &[f64],
-    y: &[f64],
-    accepted: &[bool],
-    pieces: usize,
-) -> Option<Smoothed> {
+pub fn smooth_weighted(x: &[f64], y: &[f64], accepted: &[bool], pieces: usize) -> Option<Smoothed> {
     let (n, blank, rows) = basis_rows(x, y, pieces)?;
     let size = blank.coefficients.len();
     let mut weights: Vec<f64> = accepted.iter().map(|&a| f64::from(u8::from(a))).collect();

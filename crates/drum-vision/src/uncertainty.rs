@@ -104,10 +104,7 @@ impl Budget {
     #[must_use]
     pub fn total(&self) -> [f64; 6] {
         std::array::from_fn(|k| {
-            self.components().iter()
-                .map(|(_, c)| c[k] * c[k])
-                .sum::<f64>()
-                .sqrt()
+            self.components().iter().map(|(_, c)| c[k] * c[k]).sum::<f64>().sqrt()
         })
     }
 }
@@ -224,9 +221,7 @@ fn bridges(curve: &Curve, half: f64) -> Vec<(f64, f64, f64)> {
         return Vec::new();
     };
     let mut pieces = vec![(first, first, 1.0), (last, last, 1.0)];
-    pieces.extend(
-        held.windows(2).filter(|p| p[1] - p[0] > 0.05 * half).map(|p| (p[0], p[1], 0.1)),
-    );
+    pieces.extend(held.windows(2).filter(|p| p[1] - p[0] > 0.05 * half).map(|p| (p[0], p[1], 0.1)));
     pieces
 }
 

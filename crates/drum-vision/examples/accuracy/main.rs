@@ -1,24 +1,36 @@
-//! Accuracy on synthetic frames of known silhouette: errors, coverage and rejected frames, as a table.
+//! Accuracy on frames of known silhouette: errors, coverage and rejected frames, as a table.
 //!
 //! `cargo run --release -p drum-vision --example accuracy -- [FRAMES] [WIDTH]`
+//!
+//! FRAMES clean and as many degraded frames of drum-film (200 each by default), WIDTH pixels wide, then the hundred
+//! frames of the independent renderer where the fixtures are at hand. VERBOSE=1 lists the worst frames, OUT=FOLDER
+//! keeps the drawn ones, DUMP=1 prints errors with the components of the uncertainty instead.
 
 #![expect(clippy::print_stdout, reason = "an example reports to the terminal")]
 #![expect(clippy::unwrap_used, reason = "synthetic scenes are drawn from valid ranges")]
-#![allow(missing_docs, clippy::allow_attributes, reason = "shared with the tests")]
+#![allow(
+    dead_code,
+    clippy::print_stderr,
+    clippy::allow_attributes,
+    reason = "modules shared with the tests"
+)]
 
 #[path = "../../tests/it/scenes.rs"]
 mod scenes;
+
+#[path = "../../tests/it/other_renderer.rs"]
+mod other_renderer;
 
 use rayon::prelude::*;
 
 fn main() {
     let mut args = std::env::args().skip(1);
-    let n: u64 = args.next().and_then(|a| a.parse().ok()).unwrap_or(100);
+    let n: u64 = args.next().and_then(|a| a.parse().ok()).unwrap_or(200);
     let width: u32 = args.next().and_then(|a| a.parse().ok()).unwrap_or(484);
     let size = (width, width * 2 / 3);
     let config = drum_vision::VisionConfig::default();
     let verbose = std::env::var_os("VERBOSE").is_some();
-type Maker = fn(u64, (u32, u32)) -> scenes::Case;
+    type Maker = fn(u64, (u32, u32)) -> scenes::Case;
     let makers: [(&str, Maker); 2] = [("clean", scenes::clean), ("degraded", scenes::degraded)];
     for (name, make) in makers {
         let all: Vec<Row> = (0..n)
@@ -30,7 +42,7 @@ type Maker = fn(u64, (u32, u32)) -> scenes::Case;
                     let path = std::path::Path::new(&dir).join(format!("{name}_{k:03}.png"));
                     drum_vision::overlay::write_png(&case.frame, &path).unwrap();
                 }
-                (k, case.bed, o)
+                (format!("{k} {}", describe(&case.bed)), o)
             })
             .collect();
         if std::env::var_os("DUMP").is_some() {
@@ -39,19 +51,56 @@ type Maker = fn(u64, (u32, u32)) -> scenes::Case;
             report(name, &all, verbose);
         }
     }
+    if std::env::var_os("DUMP").is_none() {
+        report("independent clean", &independent(false, &config), verbose);
+        report("independent degraded", &independent(true, &config), verbose);
+    }
 }
 
-type Row = (u64, drum_film::Bed, Result<scenes::Outcome, drum_vision::VisionError>);
+/// Name of the frame and its outcome.
+type Row = (String, Result<scenes::Outcome, drum_vision::VisionError>);
+
+fn describe(b: &drum_film::Bed) -> String {
+    format!(
+        "fill {:.2} lin {:.1} s {:.1} curvature {:+.2} {:?}",
+        b.fill, b.aor_lin_deg, b.s_shape_deg, b.curvature, b.raised
+    )
+}
+
+/// The independent frames, clean or degraded.
+fn independent(degraded: bool, config: &drum_vision::VisionConfig) -> Vec<Row> {
+    let rows = other_renderer::rows().unwrap_or_default();
+    rows.par_iter()
+        .filter(|r| r.degraded == degraded)
+        .map(|r| {
+            let outcome = drum_vision::decode::decode_file(&r.path, &config.decode).and_then(|f| {
+                let m = drum_vision::measure_frame(&f, config, drum_vision::Context::default())?;
+                let four = m.four();
+                let c = m.drum.fit.circle;
+                Ok(scenes::Outcome {
+                    error: std::array::from_fn(|k| four[k].value - r.truth[k]),
+                    sd: std::array::from_fn(|k| four[k].sd),
+                    circle: [c.x_px - r.circle[0], c.y_px - r.circle[1], c.radius_px - r.circle[2]],
+                    budget: m.budget,
+                    radius_px: c.radius_px,
+                })
+            });
+            (r.path.file_name().unwrap().to_string_lossy().into_owned(), outcome)
+        })
+        .collect()
+}
 
 fn report(name: &str, all: &[Row], verbose: bool) {
-    let good: Vec<&scenes::Outcome> = all.iter().filter_map(|r| r.2.as_ref().ok()).collect();
+    let good: Vec<&scenes::Outcome> = all.iter().filter_map(|r| r.1.as_ref().ok()).collect();
     println!("{name}: {} frames, {} rejected", all.len(), all.len() - good.len());
-    for (k, _, o) in all {
+    for (k, o) in all {
         if let Err(e) = o {
             println!("  frame {k}: {}: {e}", e.stage());
         }
     }
-    println!("  response   p50|err|  p95|err|  max|err|      bias       rms   med(u)  cover2u  med(u)/rms med(u)/p50");
+    println!(
+        "  response   p50|err|  p95|err|  max|err|      bias       rms   med(u)  cover2u  med(u)/rms med(u)/p50"
+    );
     for (k, label) in ["aor_lin", "aor_mid", "cen_x", "cen_y"].iter().enumerate() {
         let e: Vec<f64> = good.iter().map(|o| o.error[k]).collect();
         let a: Vec<f64> = e.iter().map(|v| v.abs()).collect();
@@ -63,29 +112,49 @@ fn report(name: &str, all: &[Row], verbose: bool) {
         let q = scenes::quantile;
         println!(
             "  {label:8} {:9.4} {:9.4} {:9.4} {bias:9.4} {rms:9.4} {:8.4} {:7.1}% {:9.2} {:9.2}",
-            q(&a, 0.5), q(&a, 0.95), q(&a, 1.0), q(&u, 0.5), 100.0 * cover,
-            q(&u, 0.5) / rms, q(&u, 0.5) / q(&a, 0.5)
+            q(&a, 0.5),
+            q(&a, 0.95),
+            q(&a, 1.0),
+            q(&u, 0.5),
+            100.0 * cover,
+            q(&u, 0.5) / rms,
+            q(&u, 0.5) / q(&a, 0.5)
         );
     }
+    let limit = if name.ends_with("clean") { [0.15, 0.15, 0.2, 0.2] } else { [0.5; 4] };
+    let silent = good
+        .iter()
+        .filter(|o| (0..4).any(|k| o.error[k].abs() > limit[k] && o.error[k].abs() > 3.0 * o.sd[k]))
+        .count();
+    println!("  frames beyond a limit {limit:?} and beyond 3 u: {silent}");
     for (k, label) in ["x", "y", "r"].iter().enumerate() {
         let e: Vec<f64> = good.iter().map(|o| o.circle[k]).collect();
         let a: Vec<f64> = e.iter().map(|v| v.abs()).collect();
-        println!("  circle {label}: bias {:.4} px, p95 {:.4} px", e.iter().sum::<f64>() / e.len() as f64, scenes::quantile(&a, 0.95));
+        println!(
+            "  circle {label}: bias {:.4} px, p95 {:.4} px",
+            e.iter().sum::<f64>() / e.len() as f64,
+            scenes::quantile(&a, 0.95)
+        );
     }
     if verbose {
-        let mut worst: Vec<&Row> = all.iter().filter(|r| r.2.is_ok()).collect();
-        let score = |r: &Row| r.2.as_ref().map_or(0.0, |o| o.error[0].abs().max(o.error[1].abs()).max(o.error[2].abs()).max(o.error[3].abs()));
+        let mut worst: Vec<&Row> = all.iter().filter(|r| r.1.is_ok()).collect();
+        let score = |r: &Row| {
+            r.1.as_ref().map_or(0.0, |o| {
+                o.error[0].abs().max(o.error[1].abs()).max(o.error[2].abs()).max(o.error[3].abs())
+            })
+        };
         worst.sort_by(|a, b| score(b).total_cmp(&score(a)));
-        for r in worst.iter().take(15) {
-            let o = r.2.as_ref().unwrap();
-            println!("  frame {:4} fill {:.2} lin {:.1} s {:.1} curv {:+.2} {:?}: err {:.3?} u {:.3?} circle {:.3?}", r.0, r.1.fill, r.1.aor_lin_deg, r.1.s_shape_deg, r.1.curvature, r.1.raised, o.error, o.sd, o.circle);
+        for r in worst.iter().take(10) {
+            if let Ok(o) = &r.1 {
+                println!("  {}: err {:.3?} u {:.3?} circle {:.3?}", r.0, o.error, o.sd, o.circle);
+            }
         }
     }
 }
 
 /// Errors and components of the uncertainty, one row a frame and response, for fitting the weights.
 fn dump(name: &str, all: &[Row]) {
-    for (k, _, o) in all {
+    for (k, o) in all {
         let Ok(o) = o else { continue };
         for r in 0..4 {
             print!("{name},{k},{r},{},{}", o.radius_px, o.error[r]);

@@ -112,11 +112,11 @@ pub fn trace(prepared: &Prepared, line: &LineSplit) -> Boundary {
         }
     }
     let (mut below, mut all) = (0usize, 0usize);
-    for i in 0..n {
+    for (i, &first) in path.iter().enumerate() {
         for j in 0..n {
             if (i as f64 - CELLS as f64).hypot(j as f64 - CELLS as f64) < 0.97 * CELLS as f64 {
                 all += 1;
-                below += usize::from(j >= path[i]);
+                below += usize::from(j >= first);
             }
         }
     }

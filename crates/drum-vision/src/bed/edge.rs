@@ -282,7 +282,14 @@ fn crossings(
                     .collect();
                 median_in_place(&mut held)
             };
-            let mut out = Crossing { u: line.u, v: [None; 3], contrast: 0.0, width: None, level: 0.0, own_contrast: None };
+            let mut out = Crossing {
+                u: line.u,
+                v: [None; 3],
+                contrast: 0.0,
+                width: None,
+                level: 0.0,
+                own_contrast: None,
+            };
             let (Some(a), Some(b)) = (level(&above), level(&below)) else {
                 return out;
             };

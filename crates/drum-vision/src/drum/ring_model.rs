@@ -66,8 +66,7 @@ pub fn inner_edge(profile: &[(f64, f64)]) -> Option<(f64, f64)> {
         let s = p[2] * std::f64::consts::SQRT_2;
         p[4] + 0.5 * p[3] * (erf((r - p[0]) / s) - erf((r - p[0] - p[1]) / s))
     };
-    let misfit =
-        |p: &[f64; 5]| profile.iter().map(|q| (q.1 - model(p, q.0)).powi(2)).sum::<f64>();
+    let misfit = |p: &[f64; 5]| profile.iter().map(|q| (q.1 - model(p, q.0)).powi(2)).sum::<f64>();
     let mut damping = 1e-3;
     let mut now = misfit(&p);
     for _ in 0..60 {

@@ -105,8 +105,8 @@ pub fn box_sums(
         let mut sum: f64 =
             (0..size_x as isize).filter_map(|k| pick(k - back_x, width)).map(|k| column[k]).sum();
         let row = &mut out[y * width..(y + 1) * width];
-        for x in 0..width {
-            row[x] = sum;
+        for (x, out) in row.iter_mut().enumerate() {
+            *out = sum;
             let first = x as isize - back_x;
             sum += pick(first + size_x as isize, width).map_or(0.0, |k| column[k])
                 - pick(first, width).map_or(0.0, |k| column[k]);

@@ -141,7 +141,8 @@ fn a_tilted_camera_is_reported() {
     let mut film = film();
     film.camera.pitch_deg = 14.0;
     let made = film.bed_frame(&Bed::default(), 1).unwrap();
-    let m = measure_frame(&to_frame(made.image), &VisionConfig::default(), Context::default()).unwrap();
+    let m =
+        measure_frame(&to_frame(made.image), &VisionConfig::default(), Context::default()).unwrap();
     let tilt = m.warnings.iter().find_map(|w| match w {
         drum_vision::Warning::TiltedCamera { tilt_deg, .. } => Some(*tilt_deg),
         _ => None,
@@ -165,6 +166,9 @@ fn image_jpeg(frame: &Frame, out: &mut Vec<u8>) {
 /// CRC-32 of PNG (polynomial 0xEDB88320), bit by bit.
 fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0u32, |crc, &b| {
-        (0..8).fold(crc ^ u32::from(b), |c, _| if c & 1 == 1 { 0xEDB8_8320 ^ (c >> 1) } else { c >> 1 })
+        (0..8).fold(
+            crc ^ u32::from(b),
+            |c, _| if c & 1 == 1 { 0xEDB8_8320 ^ (c >> 1) } else { c >> 1 },
+        )
     })
 }

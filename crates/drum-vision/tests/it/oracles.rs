@@ -60,11 +60,7 @@ fn wiener_equals_scipy_signal_with_zero_borders() {
     let p = plane(&picture(&o));
     // Ours rounds to single precision: 1e-5 of 255.
     close(&wiener(&p, 5, None, Border::Zero).data, &numbers(&o["wiener_5"]), 3e-3);
-    close(
-        &wiener(&p, 7, Some(300.0), Border::Zero).data,
-        &numbers(&o["wiener_7_noise_300"]),
-        3e-3,
-    );
+    close(&wiener(&p, 7, Some(300.0), Border::Zero).data, &numbers(&o["wiener_7_noise_300"]), 3e-3);
 }
 
 #[test]
@@ -87,7 +83,9 @@ fn local_mean_gradient_and_luma_equal_scikit_image() {
     close(&local_mean(&p, 9).data, &numbers(&o["local_mean_9"]), 1e-4);
     let (gx, gy) = sobel(&p);
     let inner = |g: &Plane| -> Vec<f32> {
-        (1..H - 1).flat_map(|y| g.row(y)[1..W - 1].iter().map(|v| 2.0 * v).collect::<Vec<_>>()).collect()
+        (1..H - 1)
+            .flat_map(|y| g.row(y)[1..W - 1].iter().map(|v| 2.0 * v).collect::<Vec<_>>())
+            .collect()
     };
     // scikit-image divides by four, we by eight.
     close(&inner(&gy), &numbers(&o["sobel_h"]), 1e-4);

@@ -107,3 +107,38 @@ fn a_missing_reference_frame_stops_the_series_with_its_name() {
     assert!(e.to_string().contains("no_such_reference.png"), "{e}");
     assert!(measure_series(&[], &VisionConfig::default(), None, |_| {}).is_err());
 }
+
+#[test]
+fn overlay_and_contact_sheet_show_what_was_found() {
+    let (_dir, paths) = folder();
+    let config = VisionConfig::default();
+    let tiles = std::sync::Mutex::new(vec![None; paths.len()]);
+    measure_series(&paths, &config, None, |p| {
+        let tile = match (p.frame, p.outcome) {
+            (Some(frame), Ok(m)) => {
+                let drawn = overlay::overlay(frame, m);
+                assert_eq!((drawn.width(), drawn.height()), (frame.width(), frame.height()));
+                // The circle's colour stands on the circle.
+                let c = m.drum.fit.circle;
+                let at = (c.x_px.round() as usize, (c.y_px - c.radius_px).round() as usize);
+                let [r, g, b] = drawn.pixel(at.0, at.1).unwrap();
+                assert!(r > 150 && g > 100 && b < 120, "{r} {g} {b}");
+                overlay::Tile::new(&drawn, 100, false, false)
+            }
+            _ => {
+                let grey = drum_vision::Frame::from_grey(100, 66, &[90; 6600]).unwrap();
+                overlay::Tile::new(&grey, 100, true, false)
+            }
+        };
+        tiles.lock().unwrap()[p.index] = Some(tile);
+    })
+    .unwrap();
+    let tiles: Vec<_> = tiles.into_inner().unwrap().into_iter().map(Option::unwrap).collect();
+    let sheet = overlay::contact_sheet(&tiles, 4);
+    let (w, h) = (tiles[0].picture.width() + 8, 66 + 8);
+    assert_eq!(sheet.height() / 3, h.max(tiles[0].picture.height() + 8));
+    assert!(sheet.width() >= 4 * w);
+    // The ninth tile, rejected, has a red border.
+    let [r, g, b] = sheet.pixel(1, 2 * (sheet.height() / 3) + 1).unwrap();
+    assert!(r > 180 && g < 80 && b < 80);
+}

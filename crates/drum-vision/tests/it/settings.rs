@@ -111,7 +111,8 @@ fn the_given_rotation_decides_the_sign() {
 #[test]
 fn the_edem_definition_reads_lower_on_an_s_shaped_bed() {
     // A bed whose shoulder lies above the axis has wall columns.
-    let bed = drum_film::Bed { fill: 0.45, aor_lin_deg: 35.0, s_shape_deg: 3.0, ..Default::default() };
+    let bed =
+        drum_film::Bed { fill: 0.45, aor_lin_deg: 35.0, s_shape_deg: 3.0, ..Default::default() };
     let film = drum_film::Film {
         camera: drum_film::Camera::default().with_size(484, 324),
         ..Default::default()
@@ -134,7 +135,37 @@ fn a_side_car_is_read_from_toml_and_json_and_checked() {
     assert_eq!(RegionSidecar::from_text(toml).unwrap(), RegionSidecar::from_text(json).unwrap());
     let bad = |text| RegionSidecar::from_text(text).unwrap_err().to_string();
     assert!(bad("polygon_px = [[1.0, 2.0]]\nwindow = [1, 2]").contains("1 corners"));
-    assert!(bad("polygon_px = [[1.0, 2.0], [3.0, 4.0], [5.0, 0.0]]\nwindow = [9, 2]").contains("[9, 2]"));
+    assert!(
+        bad("polygon_px = [[1.0, 2.0], [3.0, 4.0], [5.0, 0.0]]\nwindow = [9, 2]")
+            .contains("[9, 2]")
+    );
     assert!(bad("polygon = []").contains("polygon"));
     assert!(matches!(RegionSidecar::from_text("{"), Err(VisionError::Parse { .. })));
+}
+
+#[test]
+fn silhouettes_are_measured_with_the_circle_of_a_reference_picture() {
+    use drum_film::{Bed, Camera, Drum, Film};
+    let mut film = Film::silhouette(Drum::default(), [0.2, 0.2, 0.6], [1.0; 3]);
+    film.camera = Camera::default().with_size(484, 324);
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("reference_circle.png");
+    let reference = film.studio().unwrap().reference_circle().unwrap();
+    drum_vision::overlay::write_png(&scenes::to_frame(reference), &path).unwrap();
+    let bed = Bed { fill: 0.4, aor_lin_deg: 28.0, s_shape_deg: 2.0, ..Bed::default() };
+    let made = film.bed_frame(&bed, 0).unwrap();
+    let mut config = VisionConfig::default();
+    config.drum.source = CircleSource::Reference { path };
+    config.bed.hub = 0.0;
+    let drum = drum_vision::series::reference_drum(&config).unwrap().unwrap();
+    let context = Context { reference: Some(&drum), region: None };
+    let m = measure_frame(&scenes::to_frame(made.image), &config, context).unwrap();
+    assert!(!m.bright_bed);
+    let t = made.truth;
+    for (found, drawn) in
+        m.four().iter().zip([t.aor_lin_deg, t.aor_mid_deg, t.cen_x_pct, t.cen_y_pct])
+    {
+        // Flat colours, edges one pixel wide.
+        assert!((found.value - drawn).abs() < 0.15, "{found:?} against {drawn}");
+    }
 }
