@@ -98,12 +98,10 @@ pub fn transport_vector(v: DVec3, normal: DVec3, twist: f64) -> DVec3 {
         return DVec3::ZERO;
     }
     let flat = flat * (size2 / flat2).sqrt();
-    // A turn by 2 atan(twist/2), which is twist to third order and an exact rotation: no library
-    // function, so the same bits on every machine.
-    let half = twist * 0.5;
-    let square = half * half;
-    let inverse = 1.0 / (1.0 + square);
-    let (sin, cos) = (twist * inverse, (1.0 - square) * inverse);
+    if twist == 0.0 {
+        return flat;
+    }
+    let (sin, cos) = twist.sin_cos();
     flat * cos + normal.cross(flat) * sin
 }
 
