@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::contact::kinematics::{Kinematics, PairGeometry};
@@ -42,8 +43,9 @@ fn cycle<N: NormalLaw>(law: &N, corners: &[f64], speed: f64) -> (f64, f64, f64) 
     (work, lost, turnover)
 }
 
+/// Peaks and troughs of 0.1 to 1 um, from and back to a gap beyond the reach of any neck here.
 fn path(gap: f64) -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec(0.01f64..1.0, 1..6).prop_map(move |peaks| {
+    prop::collection::vec(0.1f64..1.0, 1..6).prop_map(move |peaks| {
         let mut path = vec![-gap];
         path.extend(peaks.iter().map(|p| p * 1e-6));
         path.push(-gap);
@@ -52,12 +54,17 @@ fn path(gap: f64) -> impl Strategy<Value = Vec<f64>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig {
+        cases: 200,
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..Default::default()
+    })]
 
     // Corners of the path turn the damper's sign at once: the mean force of that step is off by
     // half a step in 2000, and so is touch; 0.5 % of the work moved covers both.
     #[test]
-    fn no_normal_law_returns_more_work_than_it_took(path in path(1e-6), speed in 0.001f64..0.3) {
+    fn no_normal_law_returns_more_work_than_it_took(path in path(1e-7), speed in 0.001f64..0.3) {
         let hertz = HertzSpec { e_star: 1e8, restitution: 0.6 };
         let linear = LinearSpringDashpotSpec { stiffness: 1e3, restitution: 0.6 };
         let plastic = WaltonBraunSpec { loading: YieldStiffness::Fixed(1e3), restitution: 0.6 };

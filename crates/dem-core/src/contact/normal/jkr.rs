@@ -112,7 +112,8 @@ impl Jkr {
 
     /// Contact radius at the overlap `delta` (m) of a standing contact, m.
     pub fn contact_radius(&self, delta: f64, r_star: f64) -> f64 {
-        let s = root_of_radius(self.c(), delta, r_star);
+        let c = self.c();
+        let s = root_of_radius(c * r_star, tear_root(c, r_star), delta * r_star);
         s * s
     }
 
@@ -140,19 +141,27 @@ impl Jkr {
 /// `sqrt(a)` at the tear, from `4 s^3/R* = c`.
 #[inline]
 fn tear_root(c: f64, r_star: f64) -> f64 {
-    (0.25 * c * r_star).cbrt()
+    CBRT_OF_QUARTER * (c * r_star).cbrt()
 }
 
-/// `s = sqrt(a)` of the stable branch, from `s^4/R* - c s = delta`.
+/// `(1/4)^(1/3)`.
+const CBRT_OF_QUARTER: f64 = 0.629_960_524_947_436_6;
+
+/// `s = sqrt(a)` of the stable branch, from `s^4 - q3 s = p4` with `q3 = c R*`, `p4 = R* delta`; `floor`
+/// is its value at the tear.
 ///
 /// Newton from above: the polynomial is convex there, so the iteration falls monotonically on the
 /// larger root, quadratically but for the tear itself, where the two roots meet.
 #[inline]
-fn root_of_radius(c: f64, delta: f64, r_star: f64) -> f64 {
-    let q3 = c * r_star;
-    let p4 = r_star * delta;
-    let floor = tear_root(c, r_star);
-    let mut s = q3.cbrt() + p4.max(0.0).sqrt().sqrt();
+fn root_of_radius(q3: f64, floor: f64, p4: f64) -> f64 {
+    let q = floor / CBRT_OF_QUARTER;
+    // One Newton step from the limit without load (q), or from that without adhesion (p).
+    let mut s = if p4 > q3 * q {
+        let p = p4.sqrt().sqrt();
+        p + q3 * p / (4.0 * p * p * p - q3)
+    } else {
+        q + p4 / (3.0 * q3).max(f64::MIN_POSITIVE)
+    };
     for _ in 0..60 {
         let s3 = s * s * s;
         let slope = 4.0 * s3 - q3;
@@ -186,7 +195,7 @@ impl NormalLaw for Jkr {
             *memory = Bond::default();
             return NormalResponse::default();
         }
-        let s = root_of_radius(c, delta, r_star);
+        let s = root_of_radius(c * r_star, torn, delta * r_star);
         let s3 = s * s * s;
         let a = s * s;
         let stiffness = 2.0 * self.e_star * a;

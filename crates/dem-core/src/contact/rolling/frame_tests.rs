@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::torsion::TorsionMemory;
 use super::*;
@@ -51,6 +52,13 @@ fn vector() -> impl Strategy<Value = DVec3> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 256,
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..Default::default()
+    })]
+
     // Rounding of the subtraction of two spins of some 100 rad/s is the only tolerance.
     #[test]
     fn a_common_spin_changes_no_torque_and_torques_cancel(
