@@ -211,7 +211,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         ParticleId((self.bodies.len() - 1) as u32)
     }
 
-    /// Gap up to which the neighbour list holds pairs, m; by default a quarter of the mean radius.
+    /// Gap up to which the neighbour list holds pairs, m; by default 0.4 of the mean radius.
     pub fn skin(&mut self, skin: f64) -> &mut Self {
         self.skin = Some(skin);
         self
@@ -299,7 +299,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             return Err(Error::SizeRatio { ratio: largest / smallest, limit: LARGEST_SIZE_RATIO });
         }
         let count = radii().count().max(1);
-        let skin = self.skin.unwrap_or(0.25 * radii().sum::<f64>() / count as f64);
+        let skin = self.skin.unwrap_or(0.4 * radii().sum::<f64>() / count as f64);
         if !state.bodies.id.is_empty() {
             positive("skin (m)", skin)?;
         }
@@ -333,6 +333,14 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         let first_material = state.bodies.mean_spin.first().map(|s| s.w);
         let one_material =
             first_material.filter(|m| state.bodies.mean_spin.iter().all(|s| s.w == *m));
+        let alike = |records: &[Record]| {
+            let first = records.first().map(|r| r.w);
+            first.filter(|w| records.iter().all(|r| r.w == *w))
+        };
+        let one_size = match (alike(&state.bodies.position), alike(&state.bodies.velocity)) {
+            (Some(radius), Some(mass)) if self.shapes.is_empty() => Some([radius, mass]),
+            _ => None,
+        };
         let mut state = state;
         state.walls = walls
             .iter()
@@ -361,6 +369,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 level,
                 fast,
                 one_material: one_material.map(|m| m as usize),
+                one_size,
                 overlap_limit: self.overlap_limit,
                 turning_wall,
             },

@@ -245,6 +245,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             spheres: context.spheres,
             constants: only.map_or(all, |k| &all[k..=k]),
             materials: context.materials,
+            one_size: self.make.one_size,
             period: context.period,
             dt,
             overlap_limit: context.overlap_limit,
@@ -253,7 +254,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         touching_pairs(&context, vector, threads, &mut pairs, &mut s);
         near_pairs(&context, vector, threads, &mut pairs, &mut s);
         wall_contacts(&context, &self.make, threads, &mut walls, &mut s);
-        scatter_late(&mut s, context.spheres.position.len());
+        sum_late(&mut s, context.spheres.position.len());
+        if threads == 1 {
+            sum_all(&pairs, &walls, &mut s);
+        }
         s.placed = placed;
         self.scratch = s;
         self.state.pairs = pairs;
@@ -272,7 +276,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let clumps = !shapes.is_empty();
         let mut chunks = std::mem::take(&mut self.scratch.body_yield);
         let (pairs, walls) = (&self.state.pairs, &self.state.wall_list);
-        let collect = Collect { pairs, walls, w: &self.scratch.wrenches };
+        let collect = Collect {
+            pairs,
+            walls,
+            w: &self.scratch.wrenches,
+            sum_force: &self.scratch.sum_force,
+            sum_torque: &self.scratch.sum_torque,
+            complete: threads == 1,
+        };
         let m: &Members = &self.state.members;
         let b = &mut self.state.bodies;
         let (end_velocity, position) = (&b.end_velocity, &b.position);
@@ -540,24 +551,39 @@ fn wall_contacts<M: ContactLaw>(
 }
 
 /// Add the wrenches of near pairs to their spheres, in the order of the list.
-fn scatter_late(s: &mut Scratch, spheres: usize) {
-    for v in [&mut s.wrenches.late_force, &mut s.wrenches.late_torque] {
+fn sum_late(s: &mut Scratch, spheres: usize) {
+    for v in [&mut s.sum_force, &mut s.sum_torque] {
+        v.clear();
         v.resize(spheres, Record::default());
     }
-    let w = &mut s.wrenches;
-    for late in w.late.drain(..) {
-        for k in [late.first as usize, late.second as usize] {
-            w.late_force[k] = Record::default();
-            w.late_torque[k] = Record::default();
-        }
-    }
+    s.wrenches.late.clear();
     for late in s.near_yield.iter().flat_map(|chunk| &chunk.late) {
         let (a, b) = (late.first as usize, late.second as usize);
-        w.late_force[a].add(late.wrench.force);
-        w.late_torque[a].add(late.wrench.torque_on_first);
-        w.late_force[b].add(-late.wrench.force);
-        w.late_torque[b].add(late.wrench.torque_on_second);
-        w.late.push(*late);
+        s.sum_force[a].add(late.wrench.force);
+        s.sum_torque[a].add(late.wrench.torque_on_first);
+        s.sum_force[b].add(-late.wrench.force);
+        s.sum_torque[b].add(late.wrench.torque_on_second);
+        s.wrenches.late.push(*late);
+    }
+}
+
+/// Add the wrenches of touching pairs and walls, in the order of the lists: what `Collect` does
+/// sphere by sphere for several threads, here contact by contact and without a branch.
+fn sum_all(pairs: &PairList, walls: &WallList, s: &mut Scratch) {
+    let w = &s.wrenches;
+    let (force, torque) = (&mut s.sum_force[..], &mut s.sum_torque[..]);
+    let places = pairs.first[..pairs.touching].iter().zip(&pairs.second);
+    let wrenches = w.pair_force.iter().zip(&w.pair_torque_first).zip(&w.pair_torque_second);
+    for ((&a, &b), ((f, ta), tb)) in places.zip(wrenches) {
+        let (a, b) = (a as usize, b as usize);
+        force[a] = force[a].plus(f);
+        torque[a] = torque[a].plus(ta);
+        force[b] = force[b].minus(f);
+        torque[b] = torque[b].plus(tb);
+    }
+    for ((&k, f), t) in walls.sphere.iter().zip(&w.wall_force).zip(&w.wall_torque) {
+        force[k as usize] = force[k as usize].plus(f);
+        torque[k as usize] = torque[k as usize].plus(t);
     }
 }
 
@@ -566,6 +592,10 @@ struct Collect<'a> {
     pairs: &'a PairList,
     walls: &'a WallList,
     w: &'a Wrenches,
+    sum_force: &'a [Record],
+    sum_torque: &'a [Record],
+    /// The sums are complete already.
+    complete: bool,
 }
 
 impl Collect<'_> {
@@ -573,15 +603,19 @@ impl Collect<'_> {
     #[inline(always)]
     fn sphere(&self, k: usize) -> (DVec3, DVec3) {
         let (p, w) = (self.pairs, self.w);
-        let (mut force, mut torque) = (w.late_force[k], w.late_torque[k]);
-        let touching = p.touching_start[k] as usize..p.touching_start[k + 1] as usize;
-        for (f, t) in w.pair_force[touching.clone()].iter().zip(&w.pair_torque_first[touching]) {
-            force = force.plus(f);
-            torque = torque.plus(t);
+        let (mut force, mut torque) = (self.sum_force[k], self.sum_torque[k]);
+        if self.complete {
+            return (force.vector(), torque.vector());
         }
-        for &pair in &p.second_of[p.second_start[k] as usize..p.second_start[k + 1] as usize] {
-            force = force.minus(&w.pair_force[pair as usize]);
-            torque = torque.plus(&w.pair_torque_second[pair as usize]);
+        for &end in &p.ends[p.ends_start[k] as usize..p.ends_start[k + 1] as usize] {
+            let pair = (end / 2) as usize;
+            if end & 1 == 0 {
+                force = force.plus(&w.pair_force[pair]);
+                torque = torque.plus(&w.pair_torque_first[pair]);
+            } else {
+                force = force.minus(&w.pair_force[pair]);
+                torque = torque.plus(&w.pair_torque_second[pair]);
+            }
         }
         let entries = self.walls.start[k] as usize..self.walls.start[k + 1] as usize;
         for (f, t) in w.wall_force[entries.clone()].iter().zip(&w.wall_torque[entries]) {

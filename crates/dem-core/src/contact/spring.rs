@@ -98,13 +98,26 @@ pub fn transport_vector(v: DVec3, normal: DVec3, twist: f64) -> DVec3 {
         return DVec3::ZERO;
     }
     let flat = flat * (size2 / flat2).sqrt();
-    // A turn by 2 atan(twist/2), which is twist to third order and an exact rotation: no library
-    // function, so the same bits on every machine.
-    let half = twist * 0.5;
-    let square = half * half;
-    let inverse = 1.0 / (1.0 + square);
-    let (sin, cos) = (twist * inverse, (1.0 - square) * inverse);
+    if twist == 0.0 {
+        return flat;
+    }
+    let (sin, cos) = small_sin_cos(twist);
     flat * cos + normal.cross(flat) * sin
+}
+
+/// Sine and cosine of the twist of one step, on the unit circle to rounding.
+///
+/// With `t = tan(x/2)`, `sin = 2t/(1 + t^2)` and `cos = (1 - t^2)/(1 + t^2)` for any `t`: the series
+/// of the tangent to `x^5` only errs in the angle, by `x^7/1186` (below 1e-10 rad at 0.1 rad).
+#[inline]
+fn small_sin_cos(x: f64) -> (f64, f64) {
+    if x.abs() > 0.1 {
+        return x.sin_cos();
+    }
+    let x2 = x * x;
+    let t = 0.5 * x * (1.0 + x2 * (1.0 / 12.0 + x2 / 120.0));
+    let scale = 1.0 / (1.0 + t * t);
+    (2.0 * t * scale, (1.0 - t * t) * scale)
 }
 
 #[cfg(test)]
@@ -122,9 +135,17 @@ mod tests {
 
     #[test]
     fn a_twist_of_a_quarter_turn_turns_x_into_y() {
-        // Turned by 2 atan(twist / 2): a twist of 2 is a quarter turn.
-        let t = transport_vector(DVec3::X, DVec3::Z, 2.0);
+        let t = transport_vector(DVec3::X, DVec3::Z, std::f64::consts::FRAC_PI_2);
         assert!((t - DVec3::Y).length() < 1e-15);
+    }
+
+    #[test]
+    fn the_small_twist_is_a_rotation_by_its_angle() {
+        for x in [-0.1f64, -1e-3, 1e-9, 0.03, 0.1, 0.11, 2.0] {
+            let (sin, cos) = small_sin_cos(x);
+            assert!((sin.hypot(cos) - 1.0).abs() < 1e-15);
+            assert!((sin - x.sin()).abs() < 1e-10 && (cos - x.cos()).abs() < 1e-10);
+        }
     }
 
     #[test]

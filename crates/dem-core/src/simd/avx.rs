@@ -86,10 +86,6 @@ impl Lanes for Wide {
         unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
     }
     #[inline(always)]
-    fn negative(self) -> u8 {
-        unsafe { _mm512_movepi64_mask(_mm512_castpd_si512(self.0)) }
-    }
-    #[inline(always)]
     fn select(self, mask: u8, other: Self) -> Self {
         Self(unsafe { _mm512_mask_blend_pd(mask, other.0, self.0) })
     }
@@ -238,10 +234,6 @@ impl Lanes for Pair {
             let high = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.1, other.1));
             (low | high << 4) as u8
         }
-    }
-    #[inline(always)]
-    fn negative(self) -> u8 {
-        unsafe { (_mm256_movemask_pd(self.0) | _mm256_movemask_pd(self.1) << 4) as u8 }
     }
     #[inline(always)]
     fn select(self, mask: u8, other: Self) -> Self {

@@ -49,6 +49,8 @@ pub(crate) struct PairKernel<'a> {
     /// Laws by material times material.
     pub(crate) constants: &'a [Constants],
     pub(crate) materials: usize,
+    /// Radius and mass of all spheres, if they are alike.
+    pub(crate) one_size: Option<[f64; 2]>,
     pub(crate) period: Option<crate::neighbour::Period>,
     pub(crate) dt: f64,
     pub(crate) overlap_limit: f64,
@@ -354,6 +356,11 @@ impl PairKernel<'_> {
         let approach = vi - vj;
         let back = V::splat(0.25 * self.dt) * approach.dot(n);
         let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
+        // Spheres alike: the same operations, once for all lanes.
+        let (r_star, m_star) = match self.one_size {
+            Some([r, m]) => (V::splat(r * r / (r + r)), V::splat(m * m / (m + m))),
+            None => (ri * rj / sum, mi * mj / (mi + mj)),
+        };
         let motion = Motion {
             normal: n,
             overlap,
@@ -363,8 +370,8 @@ impl PairKernel<'_> {
             spin_j: wj,
             lever_i,
             lever_j,
-            r_star: ri * rj / sum,
-            m_star: mi * mj / (mi + mj),
+            r_star,
+            m_star,
             twist: V::splat(0.5) * (wi + wj).dot(n) * dt,
             dt,
         };

@@ -24,8 +24,6 @@ pub(super) trait Lanes:
     fn min(self, other: Self) -> Self;
     /// One bit a lane: `self < other`, false for what cannot be compared.
     fn less(self, other: Self) -> u8;
-    /// One bit a lane: sign bit set.
-    fn negative(self) -> u8;
     /// `self` in the lanes of `mask`, `other` elsewhere.
     fn select(self, mask: u8, other: Self) -> Self;
     /// The records at eight places, one vector a field.
