@@ -1,0 +1,16 @@
+//! Claims about the engine and the laws, each with the reason of its tolerance.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod allocation;
+mod clumps;
+mod conservation;
+mod determinism;
+mod extension;
+mod faults;
+mod integrators;
+mod lists;
+#[cfg(feature = "mesh")]
+mod meshes;
+mod observers;
+mod scenes;
+mod walls;
