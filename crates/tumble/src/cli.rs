@@ -28,6 +28,11 @@ pub(crate) enum Command {
         after_help = "Examples:\n  tumble calibrate AZ4_Steel\n  tumble calibrate my_case.toml --out results\n  tumble calibrate AZ1_Plexi AZ2_Plexi AZ1_Steel AZ2_Steel   # one bead friction for all"
     )]
     Calibrate(CalibrateArgs),
+    /// Simulate a drum, film it, and measure the film like photographs.
+    #[command(
+        after_help = "Example:\n  tumble simulate AZ1_Plexi --speeds 17 --set friction.pp=0.5 --set exposure.seconds=0"
+    )]
+    Simulate(SimulateArgs),
     /// Measure angle of repose and centre of area on photographs or simulated frames.
     #[command(
         after_help = "Example:\n  tumble measure photographs/17rpm --speed 17 --out measured"
@@ -41,6 +46,48 @@ pub(crate) enum Command {
         after_help = "Example:\n  tumble film positions.csv --drum-radius 0.125 --drum-length 0.15 --set exposure.seconds=0"
     )]
     Film(FilmArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// Rig or case file (TOML), or the name of a built-in case.
+    pub(crate) rig: String,
+    /// Rotation speeds, rpm, instead of the file's.
+    #[arg(long, value_name = "RPM", value_delimiter = ',')]
+    pub(crate) speeds: Vec<f64>,
+    /// Frames at each speed, instead of the file's.
+    #[arg(long)]
+    pub(crate) frames: Option<u32>,
+    /// Seed, instead of the file's.
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// `PATH=VALUE`: set a parameter, for instance friction.pp=0.3.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = path_value)]
+    pub(crate) settings: Vec<(String, f64)>,
+    /// Simulate a coarse stand-in: a slice with periodic ends and larger beads.
+    #[arg(long)]
+    pub(crate) coarse: bool,
+    /// Threads; they change no bit of the result.
+    #[arg(long, default_value_t = 2)]
+    pub(crate) threads: usize,
+    /// Width of the frames, pixels.
+    #[arg(long, default_value_t = 968)]
+    pub(crate) width: u32,
+    /// Also write the positions of every frame.
+    #[arg(long)]
+    pub(crate) positions: bool,
+    /// Go on from the checkpoint in the output folder.
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Say what the run would take, and do nothing.
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Folder for the results [default: tumble-out/RIG].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

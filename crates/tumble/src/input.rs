@@ -19,6 +19,9 @@ pub(crate) enum InputError {
     /// Cases that are given twice.
     #[error("case `{name}` is given twice; expected each once")]
     Twice { name: String },
+    /// A setting on the command line.
+    #[error("`{path}` = {value}: expected {expected}")]
+    Setting { path: String, value: f64, expected: String },
     /// A folder without pictures.
     #[error("{path} holds no picture; expected PNG, JPEG, TIFF or BMP files")]
     NoPictures { path: String },
@@ -44,6 +47,8 @@ pub(crate) fn is_input_fault(error: &anyhow::Error) -> bool {
             || e.is::<doe::DoeError>()
             || e.is::<drum_vision::VisionError>()
             || e.is::<drum_film::Error>()
+            || e.is::<campaign::CampaignError>()
+            || e.is::<campaign::drum_rig::Error>()
     })
 }
 
@@ -86,7 +91,7 @@ pub(crate) fn built_in(name: &str) -> Option<&'static str> {
     tumble_fixtures::CASES.into_iter().find(|c| c.eq_ignore_ascii_case(name))
 }
 
-fn fixture(path: &str) -> anyhow::Result<Text> {
+pub(crate) fn fixture(path: &str) -> anyhow::Result<Text> {
     let text = tumble_fixtures::read(path).with_context(|| format!("{path} is not built in"))?;
     Ok(Text { name: path.to_owned(), text: text.to_owned() })
 }

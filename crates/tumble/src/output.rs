@@ -21,6 +21,11 @@ pub(crate) fn folder(asked: Option<&Path>, name: &str) -> anyhow::Result<PathBuf
 /// Write a file to a temporary name beside it and rename it: a reader sees the old file or the
 /// new one, never a part.
 pub(crate) fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<PathBuf> {
+    write_bytes(folder, name, text.as_bytes())
+}
+
+/// As [`write`], for bytes.
+pub(crate) fn write_bytes(folder: &Path, name: &str, bytes: &[u8]) -> anyhow::Result<PathBuf> {
     let path = folder.join(name);
     let place = || format!("cannot write {}", path.display());
     let mut builder = tempfile::Builder::new();
@@ -31,7 +36,7 @@ pub(crate) fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<Pat
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).with_context(place)?;
-    file.write_all(text.as_bytes()).with_context(place)?;
+    file.write_all(bytes).with_context(place)?;
     file.as_file().sync_all().with_context(place)?;
     file.persist(&path).with_context(place)?;
     Ok(path)

@@ -6,3 +6,4 @@ pub(crate) mod film;
 pub(crate) mod fit;
 pub(crate) mod measure;
 pub(crate) mod roi;
+pub(crate) mod simulate;

@@ -1,0 +1,172 @@
+//! The camera and the reader of one rig.
+
+use drum_film::image::RgbImage;
+use drum_film::{Film, Sphere, Studio};
+use drum_rig::{Options, Sampled};
+use drum_vision::series::{SeriesReport, summarise};
+use drum_vision::{Context, Frame, VisionConfig, measure_frame};
+use rig_schema::{Layer, Rig, Shape, namespace};
+
+use crate::CampaignError;
+
+/// Size of the frames and fineness of the exposure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Resolution {
+    /// Width of a frame, pixels; the height follows at 3:2.
+    pub width_px: u32,
+    /// Most instants that an exposure is made of.
+    pub most_sub_frames: u32,
+}
+
+impl Default for Resolution {
+    /// Half the width of the thesis's photographs: the reader works below a pixel.
+    fn default() -> Self {
+        Self { width_px: 968, most_sub_frames: 12 }
+    }
+}
+
+/// What was seen at one speed.
+#[derive(Debug, Clone)]
+pub struct Observed {
+    /// Speed of the schedule, rpm.
+    pub speed_rpm: f64,
+    /// Responses with their scatter, as photographs give them.
+    pub report: SeriesReport,
+    /// A few frames for people to look at.
+    pub preview: Vec<RgbImage>,
+}
+
+/// Frames kept to look at.
+const PREVIEW: usize = 6;
+
+/// The camera and the reader of one rig.
+pub struct Observatory {
+    film: Film,
+    studio: Studio,
+    vision: VisionConfig,
+    resolution: Resolution,
+    exposure_s: f64,
+    radius_m: f64,
+    diameter_m: f64,
+    fastest_rpm: f64,
+}
+
+impl Observatory {
+    /// Set up camera and reader with the rig's values of every camera and measuring parameter.
+    ///
+    /// # Errors
+    /// A parameter that camera or reader refuses, a camera that does not see the drum.
+    pub fn new(rig: &Rig, resolution: Resolution) -> Result<Self, CampaignError> {
+        let mut film = Film::default();
+        film.scene.drum.radius_m = rig.drum.radius_m;
+        film.scene.drum.length_m = rig.drum.length_m;
+        film.camera = film.camera.with_size(resolution.width_px, resolution.width_px * 2 / 3);
+        let mut vision = VisionConfig::default();
+        for p in namespace::iter() {
+            let Some(value) = rig.settings.given(p.path) else { continue };
+            match p.layer {
+                // Exposure acts by the instants that are sampled, not by smearing one.
+                Layer::Camera if p.path == "exposure.seconds" => {}
+                Layer::Camera => film.set(p.path, value)?,
+                Layer::Measurement => {
+                    if !vision.set(p.path, value) {
+                        return Err(CampaignError::Parameter {
+                            path: p.path,
+                            value,
+                            by: "the reader",
+                        });
+                    }
+                }
+                Layer::Physics => {}
+            }
+        }
+        let diameter_m = match rig.particles.shape {
+            Shape::Sphere(s) => s.diameter_m,
+            Shape::RingTablet(t) => 2.0 * (t.ring_radius_m + t.sphere_radius_m),
+        };
+        vision.rig.drum_radius_m = Some(rig.drum.radius_m);
+        vision.rig.particle_diameter_m = Some(diameter_m);
+        Ok(Self {
+            studio: film.studio()?,
+            film,
+            vision,
+            resolution,
+            exposure_s: rig.settings.value("exposure.seconds").unwrap_or(0.0),
+            radius_m: rig.drum.radius_m,
+            diameter_m,
+            fastest_rpm: rig.run.speeds_rpm.iter().copied().fold(0.0, f64::max),
+        })
+    }
+
+    /// How positions must be sampled for this camera: an exposure is resolved so that nothing
+    /// moves by more than half a particle between two instants at the drum's own speed, up to the
+    /// resolution's limit.
+    pub fn options(&self, threads: usize) -> Options {
+        let way = self.fastest_rpm * std::f64::consts::TAU / 60.0 * self.radius_m * self.exposure_s;
+        let wanted = (2.0 * way / self.diameter_m).ceil().max(1.0);
+        let sub_frames = wanted.min(f64::from(self.resolution.most_sub_frames.max(1))) as u32;
+        Options {
+            threads,
+            exposure_s: if sub_frames > 1 { self.exposure_s } else { 0.0 },
+            sub_frames,
+            ..Options::default()
+        }
+    }
+
+    /// The film's settings.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// Film one frame of what was sampled.
+    ///
+    /// # Errors
+    /// [`CampaignError::Film`] if the frame cannot be drawn.
+    pub fn frame(&self, sampled: &Sampled, index: usize) -> Result<RgbImage, CampaignError> {
+        let instants: Vec<Vec<Sphere>> = sampled.frames[index]
+            .exposures
+            .iter()
+            .map(|e| {
+                let per_body = sampled.grains.spheres_per_particle().max(1);
+                e.balls(&sampled.grains)
+                    .enumerate()
+                    .map(|(k, b)| Sphere {
+                        body: (k / per_body) as u32,
+                        ..Sphere::new(to_film(b.center), b.radius)
+                    })
+                    .collect()
+            })
+            .collect();
+        Ok(self.studio.exposed_frame(&instants, index as u64)?.image)
+    }
+
+    /// Film and measure everything that was sampled at one speed.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for frames that cannot be drawn; one that cannot be measured is in the
+    /// report's `rejected`.
+    pub fn observe(&self, sampled: &Sampled) -> Result<Observed, CampaignError> {
+        let mut vision = self.vision.clone();
+        vision.rig.speed_rpm = Some(sampled.speed_rpm);
+        let mut outcomes = Vec::new();
+        let mut preview = Vec::new();
+        let every = sampled.frames.len().div_ceil(PREVIEW).max(1);
+        for index in 0..sampled.frames.len() {
+            let picture = self.frame(sampled, index)?;
+            let (width, height) = picture.dimensions();
+            let frame = Frame::from_rgb(width as usize, height as usize, picture.as_raw().clone())
+                .ok_or(CampaignError::Picture { width, height })?;
+            let found = measure_frame(&frame, &vision, Context::default());
+            outcomes.push((format!("frame_{index:04}"), found));
+            if index % every == 0 {
+                preview.push(picture);
+            }
+        }
+        Ok(Observed { speed_rpm: sampled.speed_rpm, report: summarise(outcomes, &vision), preview })
+    }
+}
+
+/// The rig and the film have the same axes: z along the drum's axis, x to the raised side, y up.
+fn to_film(centre: drum_rig::dem_core::glam::DVec3) -> drum_film::glam::DVec3 {
+    drum_film::glam::DVec3::new(centre.x, centre.y, centre.z)
+}

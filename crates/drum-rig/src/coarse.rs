@@ -1,0 +1,115 @@
+//! A coarser stand-in of a rig, for quick work.
+//!
+//! The drum is cut to a short slice with periodic ends and filled with beads that are larger by a
+//! factor `k`, at the same fill volume. What is scaled along, so that the bed feels the same:
+//!
+//! | quantity | scaled by | what stays the same |
+//! |---|---|---|
+//! | lengths of a particle | `k` | |
+//! | count | `(slice/length) / k^3` | fill volume over drum volume |
+//! | mass of a particle | `k^3` | density |
+//! | elastic moduli | 1 | overlap over diameter under the bed's pressure, which the drum sets |
+//! | time step | `k` | share of the Rayleigh time |
+//! | surface energy, surface tension | `k^2` | Bond number (pull over weight) |
+//! | energy density | `k` | Bond number, overlap over diameter being kept |
+//! | rolling coefficients (numbers) | 1 | lever over radius |
+//!
+//! What is lost: the friction of the end plates, which steepens the bed the more the shorter the
+//! drum is, and the ratio of layer depth to bead diameter. The bias has to be measured against the full rig.
+
+use rig_schema::{Ends, Rig, Settings, Shape};
+
+use crate::error::Error;
+
+/// How coarse a stand-in is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coarsening {
+    /// Factor on the size of the particles, at least 1.
+    pub size: f64,
+    /// Length of the slice over the diameter of the (enlarged) particles, at least 6.
+    pub diameters: f64,
+}
+
+impl Default for Coarsening {
+    fn default() -> Self {
+        Self { size: 1.5, diameters: 8.0 }
+    }
+}
+
+/// Parameters of end plates, which a periodic slice does not have.
+const END_PLATES: [&str; 3] = ["friction.end_plate", "rolling.end_plate", "restitution.end_plate"];
+
+/// The coarser stand-in of a rig.
+///
+/// # Errors
+/// [`Error::Option`] for factors out of range, [`Error::NoParticles`] when a rig has no fill,
+/// [`Error::Range`] when a scaled parameter leaves its range; an inclined rig has no stand-in
+/// ([`Error::Contradiction`]), nor has one with a liner.
+pub fn coarse(rig: &Rig, by: Coarsening) -> Result<Rig, Error> {
+    let k = by.size;
+    if !(k >= 1.0 && k.is_finite()) {
+        return Err(Error::Option {
+            name: "size",
+            value: k,
+            expected: "a finite factor of at least 1",
+        });
+    }
+    if !(by.diameters >= 6.0 && by.diameters.is_finite()) {
+        let value = by.diameters;
+        return Err(Error::Option { name: "diameters", value, expected: "at least 6" });
+    }
+    let refuse = |first| {
+        let because = "a periodic slice has neither ends nor a liner's own length";
+        Err(Error::Contradiction { first, second: "a coarse stand-in", because })
+    };
+    if rig.settings.value("axis.inclination_deg").is_some_and(|a| a != 0.0) {
+        return refuse("an inclined axis");
+    }
+    if rig.drum.liner.is_some() {
+        return refuse("a liner");
+    }
+    let mut coarse = rig.clone();
+    let diameter = match &mut coarse.particles.shape {
+        Shape::Sphere(s) => {
+            s.diameter_m *= k;
+            s.diameter_m
+        }
+        Shape::RingTablet(r) => {
+            r.sphere_radius_m *= k;
+            r.ring_radius_m *= k;
+            r.middle_radius_m = r.middle_radius_m.map(|m| m * k);
+            2.0 * (r.sphere_radius_m + r.ring_radius_m)
+        }
+    };
+    let diameter = diameter * rig.settings.value("size.scale").unwrap_or(1.0);
+    coarse.particles.mass_kg = rig.particles.mass_kg.map(|m| m * k.powi(3));
+    coarse.run.time_step_s = rig.run.time_step_s.map(|dt| dt * k);
+    coarse.drum.ends = Ends::Periodic;
+    coarse.drum.length_m = rig.drum.length_m.min(by.diameters * diameter);
+    let share = coarse.drum.length_m / rig.drum.length_m;
+    let mut settings = Settings::default();
+    for (path, value) in rig.settings.iter().filter(|(path, _)| !END_PLATES.contains(path)) {
+        let factor = match path {
+            "fill.count" => share / k.powi(3),
+            "fill.mass_kg" => share,
+            "cohesion.surface_energy_j_m2" => k * k,
+            "cohesion.energy_density_j_m3" => k,
+            _ => 1.0,
+        };
+        set(&mut settings, path, value * factor)?;
+    }
+    if rig.contact.cohesion == rig_schema::Cohesion::Capillary {
+        let tension = rig.settings.value("cohesion.surface_tension_n_m").unwrap_or(0.0);
+        set(&mut settings, "cohesion.surface_tension_n_m", tension * k * k)?;
+    }
+    coarse.settings = settings;
+    coarse.name = format!("{} (coarse)", rig.name);
+    Ok(coarse)
+}
+
+fn set(settings: &mut Settings, path: &'static str, value: f64) -> Result<(), Error> {
+    settings.set(path, value).map_err(|parameter| {
+        let (low, high) = parameter.map_or((f64::NAN, f64::NAN), |p| p.range);
+        Error::Range { path, value, low, high }
+    })
+}

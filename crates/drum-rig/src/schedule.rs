@@ -1,0 +1,64 @@
+//! Step numbers of a run: windows, monitoring, frames.
+
+use crate::options::Options;
+
+/// Monitorings in one window of the stationarity test.
+pub(crate) const WINDOW: usize = 128;
+/// Monitorings before the first window: half a window.
+pub(crate) const LEAD: usize = WINDOW / 2;
+/// Monitorings between two tests.
+pub(crate) const BETWEEN_TESTS: usize = WINDOW / 4;
+
+/// One speed in steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stage {
+    pub(crate) speed_rpm: f64,
+    /// rad/s.
+    pub(crate) omega: f64,
+    /// Steps between two monitorings.
+    pub(crate) monitor: u64,
+    /// Steps from frame to frame.
+    pub(crate) frame: u64,
+    /// Steps that an exposure lasts.
+    pub(crate) exposure: u64,
+    pub(crate) frames: usize,
+    pub(crate) sub_frames: usize,
+    /// Monitorings after which the approach is given up.
+    pub(crate) patience: usize,
+}
+
+impl Stage {
+    pub(crate) fn new(speed_rpm: f64, scale: f64, dt: f64, frames: u32, options: &Options) -> Self {
+        let omega = speed_rpm * scale * std::f64::consts::TAU / 60.0;
+        let turn = std::f64::consts::TAU / omega;
+        let steps = |seconds: f64| ((seconds / dt).round() as u64).max(1);
+        let window = (options.window_turns * turn).max(options.least_window_s);
+        let monitor = steps(window / WINDOW as f64);
+        let span = (0.5 * turn).max(1.5);
+        let interval = options.frame_interval_s.unwrap_or(span / f64::from(frames));
+        let exposure = if options.exposure_s > 0.0 { steps(options.exposure_s) } else { 0 };
+        let longest = (options.longest_turns * turn).max(4.0 * window);
+        Self {
+            speed_rpm,
+            omega,
+            monitor,
+            frame: steps(interval).max(exposure),
+            exposure,
+            frames: frames as usize,
+            sub_frames: options.sub_frames as usize,
+            patience: (longest / dt / monitor as f64).ceil() as usize,
+        }
+    }
+
+    /// Steps from the start of sampling to instant `sub` of frame `frame`: sub-frames stand in the
+    /// middle of equal parts of the exposure.
+    pub(crate) fn instant(&self, frame: usize, sub: usize) -> u64 {
+        let within = (sub as f64 + 0.5) / self.sub_frames as f64 * self.exposure as f64;
+        (frame as u64 + 1) * self.frame - self.exposure + within as u64
+    }
+
+    /// Fewest steps that this speed takes.
+    pub(crate) fn least_steps(&self) -> u64 {
+        (LEAD + 2 * WINDOW) as u64 * self.monitor + self.frames as u64 * self.frame
+    }
+}
