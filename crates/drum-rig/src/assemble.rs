@@ -146,7 +146,8 @@ impl Parts<'_> {
             let motion = if part.turns { turning } else { Motion::default() };
             b.wall(part.wall.clone().with_motion(motion));
         }
-        let start = fill::start(self.grains, &built.room, rig.run.seed)?;
+        let start =
+            fill::start(self.grains, &built.room, rig.run.seed)?.turned(drum::settling_tilt());
         self.bodies(&mut b, &start)?;
         let mut world = b.build()?;
         for k in 0..built.parts.len() {

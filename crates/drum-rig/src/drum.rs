@@ -48,7 +48,12 @@ const SETTLING_TILT_DEG: f64 = 25.0;
 
 /// Gravity while the bed settles, m/s2: the raised side is at positive x, as when the drum turns.
 pub(crate) fn settling_gravity(inclination_rad: f64) -> DVec3 {
-    DQuat::from_rotation_z(SETTLING_TILT_DEG.to_radians()) * gravity(inclination_rad)
+    settling_tilt() * gravity(inclination_rad)
+}
+
+/// Turn of the bed and of gravity while it settles.
+pub(crate) fn settling_tilt() -> DQuat {
+    DQuat::from_rotation_z(SETTLING_TILT_DEG.to_radians())
 }
 
 /// The vertical.

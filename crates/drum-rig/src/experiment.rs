@@ -26,7 +26,7 @@ const LONGEST_SETTLING_S: f64 = 10.0;
 /// Rest: mean kinetic energy of a particle below this share of its weight times its diameter.
 const REST: f64 = 1e-3;
 /// Drag at the start of the first speed over the angular frequency of a swinging bed.
-const STARTING_DRAG: f64 = 0.5;
+const STARTING_DRAG: f64 = 1.0;
 
 /// Where a run stands, told after every few steps.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -167,7 +167,8 @@ fn no_two_beads_overlap_at_the_start() {
 
 #[test]
 fn forces_of_particles_and_contacts_agree_with_their_weight() {
-    let drum = turned_for(&small(100), 0.2);
+    // After the drag that damps the start has faded.
+    let drum = turned_for(&small(100), 0.6);
     let particles = drum.particles();
     let force: f64 =
         drum.contacts().iter().map(|c| if c.other.is_none() { c.force.y } else { 0.0 }).sum();
