@@ -40,8 +40,9 @@ pub(crate) struct Assembly {
     pub(crate) drive: Drive,
     pub(crate) radius: f64,
     pub(crate) dt: f64,
-    /// Drag of the experiment itself.
-    pub(crate) drag: Option<Drag>,
+    /// Drag of the experiment itself, 1/s.
+    pub(crate) drag: f64,
+    pub(crate) gravity: DVec3,
     pub(crate) speed_scale: f64,
 }
 
@@ -89,7 +90,8 @@ pub(crate) fn assemble(rig: &Rig, options: &Options) -> Result<Assembly, Error> 
         drive,
         radius: built.radius.max(built.room.radius),
         dt: time_step(rig, &physics, &grains)?,
-        drag: (physics.drag > 0.0).then_some(Drag::Uniform { rate: physics.drag }),
+        drag: physics.drag,
+        gravity: drum::gravity(physics.inclination_rad),
         speed_scale: physics.speed_scale,
         grains,
     })
@@ -125,7 +127,7 @@ impl Parts<'_> {
             b.pair_law(PARTICLE, wall, law(&constants)?);
         }
         self.bridges(&mut b)?;
-        b.gravity(drum::gravity(p.inclination_rad)).threads(self.options.threads);
+        b.gravity(drum::settling_gravity(p.inclination_rad)).threads(self.options.threads);
         let settling = SETTLING_DRAG * (crate::GRAVITY / built.radius).sqrt();
         b.drag(Drag::Uniform { rate: settling + p.drag });
         let margin = self.grains.largest_bounding_radius() + p.vibration_amplitude;
@@ -144,7 +146,8 @@ impl Parts<'_> {
             let motion = if part.turns { turning } else { Motion::default() };
             b.wall(part.wall.clone().with_motion(motion));
         }
-        let start = fill::start(self.grains, &built.room, rig.run.seed)?;
+        let start =
+            fill::start(self.grains, &built.room, rig.run.seed)?.turned(drum::settling_tilt());
         self.bodies(&mut b, &start)?;
         let mut world = b.build()?;
         for k in 0..built.parts.len() {

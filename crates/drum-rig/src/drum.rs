@@ -5,7 +5,7 @@
 //! axis is a tilted gravity: a positive inclination lifts the end at positive z.
 
 use dem_core::geometry::{Mesh, Motion, Rotation, Vibration, Wall};
-use dem_core::glam::DVec3;
+use dem_core::glam::{DQuat, DVec3};
 use dem_core::material::MaterialId;
 use rig_schema::{Drum, Ends, Lifters, Rig};
 
@@ -38,6 +38,22 @@ pub(crate) struct Built {
 /// Gravity as seen along the drum, m/s2.
 pub(crate) fn gravity(inclination_rad: f64) -> DVec3 {
     GRAVITY * up(inclination_rad) * -1.0
+}
+
+/// Angle by which gravity is tilted while the bed settles, degrees.
+///
+/// The bed then starts near its angle of repose. From a level start it rises as a solid, fails
+/// late, and swings for several turns.
+const SETTLING_TILT_DEG: f64 = 25.0;
+
+/// Gravity while the bed settles, m/s2: the raised side is at positive x, as when the drum turns.
+pub(crate) fn settling_gravity(inclination_rad: f64) -> DVec3 {
+    settling_tilt() * gravity(inclination_rad)
+}
+
+/// Turn of the bed and of gravity while it settles.
+pub(crate) fn settling_tilt() -> DQuat {
+    DQuat::from_rotation_z(SETTLING_TILT_DEG.to_radians())
 }
 
 /// The vertical.

@@ -6,7 +6,7 @@ use dem_core::geometry::Motion;
 use dem_core::glam::{DQuat, DVec3};
 use dem_core::observe::View;
 use dem_core::particles::ParticleId;
-use dem_core::prelude::{Drag, World};
+use dem_core::prelude::{Drag, Gravity, World};
 use dem_core::snapshot::Snapshot;
 
 /// What an experiment asks of a world.
@@ -21,6 +21,7 @@ pub(crate) trait Engine: Send {
     fn torque(&self, wall: usize) -> Result<f64, Error>;
     fn set_motion(&mut self, wall: usize, motion: Motion) -> Result<(), Error>;
     fn set_drag(&mut self, drag: Option<Drag>) -> Result<(), Error>;
+    fn set_gravity(&mut self, acceleration: DVec3) -> Result<(), Error>;
     fn state_hash(&self) -> u64;
     fn snapshot(&self) -> Vec<u8>;
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Error>;
@@ -62,6 +63,10 @@ impl<M: ContactLaw + Send + Sync + 'static> Engine for World<M> {
 
     fn set_drag(&mut self, drag: Option<Drag>) -> Result<(), Error> {
         World::set_drag(self, drag)
+    }
+
+    fn set_gravity(&mut self, acceleration: DVec3) -> Result<(), Error> {
+        World::set_gravity(self, Gravity::steady(acceleration))
     }
 
     fn state_hash(&self) -> u64 {

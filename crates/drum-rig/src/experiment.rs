@@ -5,6 +5,7 @@ use std::sync::Arc;
 use dem_core::error::Partner;
 use dem_core::glam::DVec3;
 use dem_core::particles::ParticleId;
+use dem_core::prelude::Drag;
 use rig_schema::Rig;
 
 use crate::assemble::{Assembly, assemble};
@@ -13,7 +14,7 @@ use crate::frame::{Exposure, Frame, Sampled, angle_deg};
 use crate::grains::Grains;
 use crate::options::Options;
 use crate::regime::{Regime, froude};
-use crate::schedule::{BETWEEN_TESTS, LEAD, Stage, WINDOW};
+use crate::schedule::{BETWEEN_TESTS, Stage, WINDOW};
 use crate::script::{Phase, Record, Script};
 use crate::stationary::{Comparison, Signal, mean_of};
 use crate::{GRAVITY, codec};
@@ -24,6 +25,8 @@ const SETTLING_LOOK_S: f64 = 0.02;
 const LONGEST_SETTLING_S: f64 = 10.0;
 /// Rest: mean kinetic energy of a particle below this share of its weight times its diameter.
 const REST: f64 = 1e-3;
+/// Drag at the start of the first speed over the angular frequency of a swinging bed.
+const STARTING_DRAG: f64 = 1.0;
 
 /// Where a run stands, told after every few steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,7 +116,6 @@ pub struct Experiment {
     stages: Vec<Stage>,
     script: Script,
     fingerprint: blake3::Hash,
-    gravity: DVec3,
 }
 
 impl std::fmt::Debug for Experiment {
@@ -139,12 +141,14 @@ impl Experiment {
         speeds.sort_by(f64::total_cmp);
         let stages = speeds
             .iter()
-            .map(|&s| Stage::new(s, assembly.speed_scale, assembly.dt, rig.run.frames, options))
+            .map(|&speed| {
+                let scales = (assembly.dt, assembly.radius);
+                Stage::new(speed, assembly.speed_scale, scales, rig.run.frames, options)
+            })
             .collect();
         let identity = format!("{rig:?} {}", options.identity());
         Ok(Self {
             grains: Arc::new(assembly.grains.clone()),
-            gravity: assembly.drive.up * -GRAVITY,
             assembly,
             stages,
             script: Script::new(),
@@ -208,7 +212,7 @@ impl Experiment {
         let weight = self.grains.total_mass() / count * GRAVITY;
         let limit = REST * weight * 2.0 * self.grains.equivalent_radius();
         if energy <= limit && self.time() >= self.fall_time() {
-            self.assembly.engine.set_drag(self.assembly.drag)?;
+            self.assembly.engine.set_gravity(self.assembly.gravity)?;
             self.script.started = self.step();
             return self.take_up_speed();
         }
@@ -241,13 +245,14 @@ impl Experiment {
 
     fn approach(&mut self) -> Result<(), Error> {
         let stage = self.stages[self.script.speed()];
+        self.damp_the_start(&stage)?;
         self.assembly.engine.run(stage.monitor)?;
         self.monitor()?;
         let step = self.step();
         let radius = self.assembly.radius;
         let Some(record) = self.script.records.last_mut() else { return Ok(()) };
         let n = record.series.torque.len();
-        let tested = n >= LEAD + 2 * WINDOW && (n - LEAD).is_multiple_of(BETWEEN_TESTS);
+        let tested = n >= stage.lead + 2 * WINDOW && (n - stage.lead).is_multiple_of(BETWEEN_TESTS);
         if !tested {
             return Ok(());
         }
@@ -283,6 +288,19 @@ impl Experiment {
             }
         }
         Ok(())
+    }
+
+    /// A drag that fades before the first window keeps the first avalanche from swinging on.
+    fn damp_the_start(&mut self, stage: &Stage) -> Result<(), Error> {
+        let done = self.script.records.last().map_or(0, |r| r.series.torque.len());
+        if self.script.records.len() != 1 || done > stage.lead {
+            return Ok(());
+        }
+        let left = 1.0 - done as f64 / stage.lead as f64;
+        let swing = (GRAVITY / self.assembly.radius).sqrt();
+        let rate = self.assembly.drag + STARTING_DRAG * left * swing;
+        let drag = (rate > 0.0).then_some(Drag::Uniform { rate });
+        Ok(self.assembly.engine.set_drag(drag)?)
     }
 
     /// Go on to the next monitoring or instant of a frame, whichever comes first.
@@ -417,7 +435,7 @@ impl Experiment {
                 position: view.position(id),
                 velocity: view.velocity(id),
                 spin: engine.spin(id),
-                force: (engine.acceleration(id) - self.gravity) * view.mass(id),
+                force: (engine.acceleration(id) - self.assembly.gravity) * view.mass(id),
                 mass: view.mass(id),
                 contacts: 0,
                 wall_contacts: 0,

@@ -61,6 +61,19 @@ pub(crate) struct Start {
     pub(crate) orientation: Vec<DQuat>,
 }
 
+impl Start {
+    /// The same turned about the drum's axis.
+    pub(crate) fn turned(mut self, turn: DQuat) -> Self {
+        for p in &mut self.position {
+            *p = turn * *p;
+        }
+        for q in &mut self.orientation {
+            *q = (turn * *q).normalize();
+        }
+        self
+    }
+}
+
 /// Particles at random, without overlaps.
 ///
 /// # Errors
@@ -123,7 +136,6 @@ struct Crowd<'a> {
     position: Vec<DVec3>,
     /// Spheres: particle, arm from its centre, enlarged radius.
     spheres: Vec<(u32, DVec3, f64)>,
-    largest: f64,
     /// Spheres by cell.
     head: Vec<u32>,
     next: Vec<u32>,
@@ -148,7 +160,7 @@ impl<'a> Crowd<'a> {
         let cells = [across, across, count(room.length)];
         let head = vec![NONE; cells.iter().product()];
         let next = vec![NONE; spheres.len()];
-        Self { room, top, position, spheres, largest, head, next, cells }
+        Self { room, top, position, spheres, head, next, cells }
     }
 
     fn cell(&self, p: DVec3) -> [usize; 3] {
@@ -277,7 +289,6 @@ impl<'a> Crowd<'a> {
                 p.z -= z.signum() * beyond;
             }
         }
-        debug_assert!(self.largest > 0.0);
         deepest
     }
 }

@@ -16,8 +16,8 @@ pub struct Options {
     pub frame_interval_s: Option<f64>,
     /// Length of a window of the stationarity test, turns of the drum (at least a quarter).
     pub window_turns: f64,
-    /// Least length of a window, s.
-    pub least_window_s: f64,
+    /// Least length of a window, s; by default the period `2 pi sqrt(R/g)` in which a bed swings.
+    pub least_window_s: Option<f64>,
     /// Turns at one speed after which a motion that is not stationary is given up.
     pub longest_turns: f64,
     /// Bytes of the STL file that `drum.liner` names, in metres, axis along z, centred.
@@ -32,7 +32,7 @@ impl Default for Options {
             sub_frames: 1,
             frame_interval_s: None,
             window_turns: 0.25,
-            least_window_s: 0.25,
+            least_window_s: None,
             longest_turns: 8.0,
             liner_stl: None,
         }
@@ -60,8 +60,10 @@ impl Options {
         if !(self.window_turns >= 0.25 && self.window_turns.is_finite()) {
             return refuse("window_turns", self.window_turns, "at least 0.25");
         }
-        if !(self.least_window_s > 0.0 && self.least_window_s.is_finite()) {
-            return refuse("least_window_s", self.least_window_s, "a finite time above 0");
+        if let Some(t) = self.least_window_s
+            && !(t > 0.0 && t.is_finite())
+        {
+            return refuse("least_window_s", t, "a finite time above 0");
         }
         if !(self.longest_turns >= 3.0 * self.window_turns && self.longest_turns.is_finite()) {
             return refuse("longest_turns", self.longest_turns, "at least three windows");

@@ -4,10 +4,17 @@ use crate::options::Options;
 
 /// Monitorings in one window of the stationarity test.
 pub(crate) const WINDOW: usize = 128;
-/// Monitorings before the first window: half a window.
-pub(crate) const LEAD: usize = WINDOW / 2;
+/// Periods of sloshing before the first window.
+const LEAD_PERIODS: f64 = 1.5;
+/// Turns of the drum before the first window: the bed rises to its angle.
+const LEAD_TURNS: f64 = 0.125;
 /// Monitorings between two tests.
 pub(crate) const BETWEEN_TESTS: usize = WINDOW / 4;
+
+/// Period, s, in which a bed swings to and fro in a drum of `radius` m: that of a pendulum as long.
+pub(crate) fn sloshing_period(radius: f64) -> f64 {
+    std::f64::consts::TAU * (radius / crate::GRAVITY).sqrt()
+}
 
 /// One speed in steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,21 +30,31 @@ pub(crate) struct Stage {
     pub(crate) exposure: u64,
     pub(crate) frames: usize,
     pub(crate) sub_frames: usize,
+    /// Monitorings before the first window.
+    pub(crate) lead: usize,
     /// Monitorings after which the approach is given up.
     pub(crate) patience: usize,
 }
 
 impl Stage {
-    pub(crate) fn new(speed_rpm: f64, scale: f64, dt: f64, frames: u32, options: &Options) -> Self {
+    pub(crate) fn new(
+        speed_rpm: f64,
+        scale: f64,
+        (dt, radius): (f64, f64),
+        frames: u32,
+        options: &Options,
+    ) -> Self {
+        let sloshing = sloshing_period(radius);
         let omega = speed_rpm * scale * std::f64::consts::TAU / 60.0;
         let turn = std::f64::consts::TAU / omega;
         let steps = |seconds: f64| ((seconds / dt).round() as u64).max(1);
-        let window = (options.window_turns * turn).max(options.least_window_s);
+        let window = (options.window_turns * turn).max(options.least_window_s.unwrap_or(sloshing));
         let monitor = steps(window / WINDOW as f64);
         let span = (0.5 * turn).max(1.5);
         let interval = options.frame_interval_s.unwrap_or(span / f64::from(frames));
         let exposure = if options.exposure_s > 0.0 { steps(options.exposure_s) } else { 0 };
-        let longest = (options.longest_turns * turn).max(4.0 * window);
+        let lead = (LEAD_TURNS * turn).max(LEAD_PERIODS * sloshing);
+        let longest = (options.longest_turns * turn).max(4.0 * window + lead);
         Self {
             speed_rpm,
             omega,
@@ -46,6 +63,7 @@ impl Stage {
             exposure,
             frames: frames as usize,
             sub_frames: options.sub_frames as usize,
+            lead: (lead / dt / monitor as f64).ceil() as usize,
             patience: (longest / dt / monitor as f64).ceil() as usize,
         }
     }
@@ -59,6 +77,6 @@ impl Stage {
 
     /// Fewest steps that this speed takes.
     pub(crate) fn least_steps(&self) -> u64 {
-        (LEAD + 2 * WINDOW) as u64 * self.monitor + self.frames as u64 * self.frame
+        (self.lead + 2 * WINDOW) as u64 * self.monitor + self.frames as u64 * self.frame
     }
 }

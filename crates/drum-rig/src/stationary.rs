@@ -25,10 +25,9 @@ pub struct Mean {
 /// Mean of a series taken at equal intervals.
 ///
 /// ```
-/// // Every value twice: half as many independent values as samples.
-/// let x: Vec<f64> = (0..4000).map(|k| ((k / 2 * 7919 % 1009) as f64).sin()).collect();
-/// let m = drum_rig::mean_of(&x);
-/// assert!((m.effective / 2000.0 - 1.0).abs() < 0.2, "{}", m.effective);
+/// // A slow wave, a hundred samples long: far fewer independent values than samples.
+/// let m = drum_rig::mean_of(&(0..100).map(|k| (f64::from(k) / 16.0).sin()).collect::<Vec<_>>());
+/// assert!(m.effective < 10.0 && (m.sd - 0.7).abs() < 0.1);
 /// ```
 pub fn mean_of(series: &[f64]) -> Mean {
     let n = series.len();
