@@ -69,7 +69,7 @@ impl Observatory {
                 Layer::Camera if p.path == "exposure.seconds" => {}
                 Layer::Camera => film.set(p.path, value)?,
                 Layer::Measurement => {
-                    if !vision.set(p.path, value) {
+                    if !vision.measure.set(p.path, value) {
                         return Err(CampaignError::Parameter {
                             path: p.path,
                             value,
@@ -132,7 +132,7 @@ impl Observatory {
                     .enumerate()
                     .map(|(k, b)| Sphere {
                         body: (k / per_body) as u32,
-                        ..Sphere::new(to_film(b.center), b.radius)
+                        ..Sphere::new(to_film(b.centre), b.radius)
                     })
                     .collect()
             })

@@ -286,7 +286,7 @@ fn positions(steady: &Sampled, folder: &Path) -> anyhow::Result<String> {
     for (k, frame) in steady.frames.iter().enumerate() {
         for e in frame.exposures.iter().take(1) {
             for b in e.balls(&steady.grains) {
-                let c = b.center;
+                let c = b.centre;
                 text.push_str(&format!("{k},{:.7},{:.7},{:.7},{:.7}\n", c.x, c.y, c.z, b.radius));
             }
         }
