@@ -88,7 +88,7 @@ pub(crate) fn assemble(rig: &Rig, options: &Options) -> Result<Assembly, Error> 
         engine,
         turns: built.parts.iter().map(|p| p.turns).collect(),
         drive,
-        radius: built.radius.max(built.room.radius),
+        radius: built.radius,
         dt: time_step(rig, &physics, &grains)?,
         drag: physics.drag,
         gravity: drum::gravity(physics.inclination_rad),

@@ -35,7 +35,7 @@ pub enum Error {
         because: &'static str,
     },
     /// A material is used that the rig does not define.
-    #[error("the {role} is of `{name}`, which is not in [materials]")]
+    #[error("material of the {role}: `{name}` is not in [materials]")]
     UnknownMaterial {
         /// What is made of it.
         role: &'static str,

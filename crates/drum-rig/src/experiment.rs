@@ -542,10 +542,22 @@ impl Experiment {
     /// The speeds that are done, in ascending order.
     pub fn sampled(&self) -> Vec<Sampled> {
         let ended = self.script.records.iter().zip(&self.stages).filter(|(r, _)| r.ended > 0);
-        ended.map(|(r, s)| self.summary(r, s)).collect()
+        ended.map(|(r, s)| self.summary(r, s, r.frames.clone())).collect()
     }
 
-    fn summary(&self, record: &Record, stage: &Stage) -> Sampled {
+    /// The speeds that are done, without a copy of their frames.
+    pub fn into_sampled(mut self) -> Vec<Sampled> {
+        let mut records = std::mem::take(&mut self.script.records);
+        let ended = records.iter_mut().zip(&self.stages).filter(|(r, _)| r.ended > 0);
+        ended
+            .map(|(r, s)| {
+                let frames = std::mem::take(&mut r.frames);
+                self.summary(r, s, frames)
+            })
+            .collect()
+    }
+
+    fn summary(&self, record: &Record, stage: &Stage, frames: Vec<Frame>) -> Sampled {
         let dt = self.assembly.dt;
         let steady = record.steady as usize;
         let mean = |series: &[f64]| mean_of(&series[steady..]);
@@ -560,7 +572,7 @@ impl Experiment {
             turned_from_s: record.begun as f64 * dt,
             revolutions: (record.ended - record.begun) as f64 * dt * stage.omega
                 / std::f64::consts::TAU,
-            frames: record.frames.clone(),
+            frames,
             torque: mean(&s.torque),
             centre_of_mass: [mean(&s.x), mean(&s.y), mean(&s.z)],
             angle_deg: mean(&s.angle_deg),

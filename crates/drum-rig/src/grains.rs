@@ -94,6 +94,22 @@ impl Grains {
             (None, Shape::RingTablet(_)) => return Err(Error::NoParticles { wanted: 0.0 }),
         };
         let mut grains = Self { clump, template, scale: Vec::new(), mass, density: mass / volume };
+        let drum_m3 =
+            std::f64::consts::PI * rig.drum.radius_m * rig.drum.radius_m * rig.drum.length_m;
+        let count = match physics.fill {
+            Fill::Count(count) => count,
+            Fill::Mass(total) => total / mass,
+        };
+        // Before a number of particles is drawn that no memory holds.
+        if count * volume > drum_m3 {
+            return Err(Error::DoesNotFit {
+                count: count as usize,
+                solid_m3: count * volume,
+                drum_m3,
+                rounds: 0,
+                overlap: 1.0,
+            });
+        }
         grains.draw(physics, rig.run.seed)?;
         Ok(grains)
     }

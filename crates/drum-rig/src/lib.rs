@@ -66,3 +66,8 @@ pub use stationary::{Mean, mean_of};
 
 /// Standard gravity as the engines of the field take it, m/s2.
 pub const GRAVITY: f64 = 9.81;
+
+/// The examples of the README, compiled as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

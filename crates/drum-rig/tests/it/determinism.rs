@@ -10,7 +10,6 @@ fn options(threads: usize) -> Options {
         exposure_s: 0.02,
         sub_frames: 3,
         frame_interval_s: Some(0.05),
-        least_window_s: Some(0.1),
         ..Options::default()
     }
 }

@@ -1,7 +1,7 @@
 //! Bad input is an error that says what, where and what was expected.
 
 use drum_rig::dem_core::error::Error as Mechanics;
-use drum_rig::{Error, Experiment, Options};
+use drum_rig::{Error, Experiment, Flow, Options};
 
 use crate::rigs::{small, with};
 
@@ -12,7 +12,7 @@ fn refused(rig: &drum_rig::rig_schema::Rig, options: &Options) -> Error {
 #[test]
 fn particles_that_do_not_fit_are_refused() {
     // More solid than the drum holds at all, and more than can be pushed apart.
-    for count in [3000, 1250] {
+    for count in [100_000_000, 3000, 1250] {
         let error = refused(&small(count), &Options::default());
         match error {
             Error::DoesNotFit { count: named, solid_m3, drum_m3, .. } => {
@@ -75,6 +75,27 @@ fn an_unknown_material_is_named() {
     rig.drum.end_plates = "brass".into();
     assert_eq!(
         refused(&rig, &Options::default()).to_string(),
-        "the end plates is of `brass`, which is not in [materials]"
+        "material of the end plates: `brass` is not in [materials]"
     );
+}
+
+#[test]
+fn a_motion_that_never_becomes_stationary_is_given_up() {
+    // A drum that swings by 10 mm in three seconds: every window sees another height.
+    let swing = [("vibration.amplitude_m", 0.01), ("vibration.frequency_hz", 0.3)];
+    let mut drum = Experiment::new(&with(&small(40), &swing), &Options::default()).unwrap();
+    // 2.2 turns of 1.5 s and a few windows more.
+    let options = Options { longest_turns: 1.5, ..Options::default() };
+    let mut short = Experiment::new(&with(&small(40), &swing), &options).unwrap();
+    match short.run(|_, _| Flow::Go) {
+        Err(Error::NotSteady { speed_rpm, sigmas, .. }) => {
+            assert_eq!(speed_rpm, 40.0);
+            assert!(sigmas > 2.0);
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(short.sampled().is_empty());
+    // Stopping instead loses nothing.
+    drum.run(|_, p| if p.turns > 0.1 { Flow::Stop } else { Flow::Go }).unwrap();
+    assert!(drum.sampled().is_empty());
 }

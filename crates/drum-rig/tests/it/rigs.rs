@@ -60,5 +60,6 @@ pub(crate) fn finished(rig: &Rig, options: &Options) -> (Experiment, Vec<Sampled
     let mut drum = Experiment::new(rig, options).expect("a valid rig");
     drum.run(|_, _| Flow::Go).expect("a run without faults");
     let sampled = drum.sampled();
+    assert!(!sampled.is_empty());
     (drum, sampled)
 }
