@@ -52,6 +52,11 @@ pub enum Warning {
         /// Fraction that was visible.
         visible: f64,
     },
+    /// A saturated reflex lies on the surface; what it hides is bridged, its flanks may have been taken for the bed.
+    GlareOnSurface {
+        /// Fraction of the surface that it touches.
+        fraction: f64,
+    },
     /// The edge is blurred over many pixels.
     BlurredEdge {
         /// Width from 20 to 80 % of the contrast, pixels.
@@ -77,6 +82,9 @@ impl fmt::Display for Warning {
                     "only {:.0} % of the surface is visible, the rest is bridged",
                     100.0 * visible
                 )
+            }
+            Self::GlareOnSurface { fraction } => {
+                write!(f, "a reflex touches {:.0} % of the surface", 100.0 * fraction)
             }
             Self::BlurredEdge { width_px } => {
                 write!(f, "the edge of the bed is blurred over {width_px:.1} px")
@@ -278,6 +286,9 @@ fn finish(
     }
     if curve.visible < 0.75 {
         warnings.push(Warning::PartlyHidden { visible: curve.visible });
+    }
+    if curve.glare > 0.0 {
+        warnings.push(Warning::GlareOnSurface { fraction: curve.glare });
     }
     if curve.edge_width_px > (0.06 * local.radius_px).max(6.0) {
         warnings.push(Warning::BlurredEdge { width_px: curve.edge_width_px });

@@ -61,7 +61,7 @@ impl Default for Weights {
             wander: 0.37,
             grain: 0.65,
             circle: 0.3,
-            threshold: 0.4,
+            threshold: 0.5,
             bridged: 3.2,
             floor_px: 0.008,
             circle_floor_px: 0.012,

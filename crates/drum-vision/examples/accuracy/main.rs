@@ -3,7 +3,7 @@
 //! `cargo run --release -p drum-vision --example accuracy -- [FRAMES] [WIDTH] [FIRST]`
 //!
 //! FRAMES clean and as many degraded frames of drum-film (200 each by default), WIDTH pixels wide, numbered from FIRST
-//! (5000 by default; the weights of the uncertainty were fitted on numbers 0 to 299), then the hundred
+//! (7000 by default; the weights of the uncertainty were fitted on numbers 0 to 299), then the hundred
 //! frames of the independent renderer where the fixtures are at hand. VERBOSE=1 lists the worst frames, OUT=FOLDER
 //! keeps the drawn ones, DUMP=1 prints errors with the components of the uncertainty instead.
 
@@ -28,7 +28,7 @@ fn main() {
     let mut args = std::env::args().skip(1);
     let n: u64 = args.next().and_then(|a| a.parse().ok()).unwrap_or(200);
     let width: u32 = args.next().and_then(|a| a.parse().ok()).unwrap_or(484);
-    let first: u64 = args.next().and_then(|a| a.parse().ok()).unwrap_or(5000);
+    let first: u64 = args.next().and_then(|a| a.parse().ok()).unwrap_or(7000);
     let size = (width, width * 2 / 3);
     let config = drum_vision::VisionConfig::default();
     let verbose = std::env::var_os("VERBOSE").is_some();
@@ -89,6 +89,7 @@ fn independent(degraded: bool, config: &drum_vision::VisionConfig) -> Vec<Row> {
                     circle: [c.x_px - r.circle[0], c.y_px - r.circle[1], c.radius_px - r.circle[2]],
                     budget: m.budget,
                     radius_px: c.radius_px,
+                    warned: !m.warnings.is_empty(),
                 })
             });
             (r.path.file_name().unwrap().to_string_lossy().into_owned(), outcome)
@@ -132,7 +133,8 @@ fn report(name: &str, all: &[Row], verbose: bool) {
         .iter()
         .filter(|o| (0..4).any(|k| o.error[k].abs() > limit[k] && o.error[k].abs() > 3.0 * o.sd[k]))
         .count();
-    println!("  frames beyond a limit {limit:?} and beyond 3 u: {silent}");
+    println!("  frames beyond a limit {limit:?} and 3 u, without a warning: {silent}");
+    println!("  frames with a warning: {}", good.iter().filter(|o| o.warned).count());
     for (k, label) in ["x", "y", "r"].iter().enumerate() {
         let e: Vec<f64> = good.iter().map(|o| o.circle[k]).collect();
         let a: Vec<f64> = e.iter().map(|v| v.abs()).collect();

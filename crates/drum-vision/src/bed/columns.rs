@@ -142,6 +142,7 @@ pub(crate) fn curve_of_mask(
         u_px: u,
         smoothed,
         visible,
+        glare: 0.0,
         level_shift_px,
         level_scatter: 0.1,
         contrast: 0.0,

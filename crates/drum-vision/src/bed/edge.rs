@@ -23,6 +23,8 @@ pub struct Curve {
     pub smoothed: Smoothed,
     /// Fraction of the surface, outside of the hub, on which an edge was found and accepted.
     pub visible: f64,
+    /// Fraction of the surface that a saturated reflex touches.
+    pub glare: f64,
     /// Half the change of `v` when the threshold moves by a tenth of the contrast either way, at every point.
     pub level_shift_px: Vec<f64>,
     /// Standard deviation of the threshold along the surface (of the greys beside the edge), fraction of the contrast.
@@ -80,7 +82,8 @@ pub fn trace_edges(
         if u.len() < 16 {
             return Err(few(u.len()));
         }
-        let near = plausible(&used, &u, &v, radius);
+        let glare = !prepared.hidden.is_empty();
+        let near = plausible(&used, &u, &v, radius, glare);
         let smoothed = smooth_weighted(&u, &v, &near, pieces(&u)).ok_or_else(|| few(found))?;
         let accepted = smoothed.weights.iter().filter(|w| **w > 0.1).count();
         let visible = accepted as f64 / lines.len().max(1) as f64;
@@ -101,6 +104,7 @@ pub fn trace_edges(
             u_px: u,
             smoothed,
             visible,
+            glare: lines.iter().filter(|l| l.glare).count() as f64 / lines.len().max(1) as f64,
             level_shift_px,
             level_scatter: level_scatter(&used),
             contrast: median_in_place(&mut contrasts).unwrap_or(0.0),
@@ -126,7 +130,7 @@ fn level_scatter(used: &[&Crossing]) -> f64 {
 /// Far from the stiff curve a crossing is believed only where its edge looks like the others: as sharp and with
 /// as much contrast on its own line. Glare has soft flanks; a surface that levels off at the wall has not. Inside of the
 /// middle 80 % three times that distance is never believed.
-fn plausible(used: &[&Crossing], u: &[f64], v: &[f64], radius: f64) -> Vec<bool> {
+fn plausible(used: &[&Crossing], u: &[f64], v: &[f64], radius: f64, glare: bool) -> Vec<bool> {
     let margin = STIFF_MARGIN * radius;
     let near = near_stiff_curve(u, v, STIFF_PIECES, margin, 0.4);
     let nearer = near_stiff_curve(u, v, STIFF_PIECES, 3.0 * margin, 0.4);
@@ -140,7 +144,8 @@ fn plausible(used: &[&Crossing], u: &[f64], v: &[f64], radius: f64) -> Vec<bool>
     // Where few edges are that soft, they are glare's; where many are, that is how this frame's edges look.
     let soft_one = |p: &Crossing| p.width.is_none_or(|w| w > 1.5 * width + 0.3);
     let some_soft = used.iter().filter(|p| soft_one(p)).count() * 4 < used.len();
-    used.iter()
+    let believed: Vec<bool> = used
+        .iter()
         .enumerate()
         .map(|(k, p)| {
             if some_soft && soft_one(p) {
@@ -151,7 +156,45 @@ fn plausible(used: &[&Crossing], u: &[f64], v: &[f64], radius: f64) -> Vec<bool>
             let inner = (u[k] - from).min(to - u[k]) > 0.1 * (to - from);
             near[k] || (!(soft || odd) && (nearer[k] || !inner))
         })
-        .collect()
+        .collect();
+    without_islands(&believed, u, radius, if glare { 0.03 } else { 0.08 })
+}
+
+/// Takes back belief in what lies next to a gap: two percent of the radius at either side of it, and islands shorter than
+/// eight percent of the surface between gaps.
+///
+/// A gap is a stretch of a fraction `gap` of the surface without a believed crossing; its borders are the flanks of
+/// whatever hid the surface.
+fn without_islands(believed: &[bool], u: &[f64], radius: f64, gap: f64) -> Vec<bool> {
+    let span = u[u.len() - 1] - u[0];
+    let held: Vec<usize> = (0..u.len()).filter(|&k| believed[k]).collect();
+    let mut runs: Vec<(f64, f64)> = Vec::new();
+    for &k in &held {
+        match runs.last_mut() {
+            Some(run) if u[k] - run.1 < gap * span => run.1 = u[k],
+            _ => runs.push((u[k], u[k])),
+        }
+    }
+    let last = runs.len().saturating_sub(1);
+    let trim = 0.02 * radius;
+    let kept: Vec<(f64, f64)> = runs
+        .iter()
+        .enumerate()
+        .filter(|(_, run)| run.1 - run.0 > 0.08 * span)
+        .map(|(k, run)| {
+            let from = if k > 0 || run.0 - u[0] > gap * span { run.0 + trim } else { run.0 };
+            let to =
+                if k < last || u[u.len() - 1] - run.1 > gap * span { run.1 - trim } else { run.1 };
+            (from, to)
+        })
+        .collect();
+    let out: Vec<bool> = u
+        .iter()
+        .zip(believed)
+        .map(|(&u, &b)| b && kept.iter().any(|r| u >= r.0 && u <= r.1))
+        .collect();
+    // Where little would be left, the surface is in pieces for another reason.
+    if out.iter().filter(|&&b| b).count() * 5 < held.len() * 3 { believed.to_vec() } else { out }
 }
 
 /// Refuses a surface that is mostly hidden or too ragged.
@@ -178,6 +221,8 @@ struct Line {
     centre: f64,
     grey: Vec<f64>,
     slope: f64,
+    /// Whether a reflex hides part of it.
+    glare: bool,
 }
 
 struct Crossing {
@@ -223,6 +268,7 @@ fn lines_across(
         if r > rim || (prepared.hub_px > 0.0 && r < prepared.hub_px + 2.0) {
             continue;
         }
+        let mut glare = false;
         let grey = (-n..=n)
             .map(|j| {
                 let v = v + j as f64 * SPACING;
@@ -231,10 +277,14 @@ fn lines_across(
                     return f64::NAN;
                 }
                 let (x, y) = boundary.axes.to_picture(u, v);
-                if prepared.is_hidden(x, y) { f64::NAN } else { prepared.plane.sample(x, y) }
+                if prepared.is_hidden(x, y) {
+                    glare = true;
+                    return f64::NAN;
+                }
+                prepared.plane.sample(x, y)
             })
             .collect();
-        lines.push(Line { u, centre: v, grey, slope: centre.slope(u) });
+        lines.push(Line { u, centre: v, grey, slope: centre.slope(u), glare });
     }
     lines
 }

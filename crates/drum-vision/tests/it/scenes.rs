@@ -69,6 +69,7 @@ pub(crate) struct Outcome {
     pub(crate) circle: [f64; 3],
     pub(crate) budget: drum_vision::uncertainty::Budget,
     pub(crate) radius_px: f64,
+    pub(crate) warned: bool,
 }
 
 pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, VisionError> {
@@ -83,6 +84,7 @@ pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, Vis
         circle: [c.x_px - t.center_x_px, c.y_px - t.center_y_px, c.radius_px - t.radius_px],
         budget: m.budget,
         radius_px: c.radius_px,
+        warned: !m.warnings.is_empty(),
     })
 }
 
