@@ -1,0 +1,89 @@
+//! Time of a particle-step on a settled, turning drum like configuration AZ1.
+//!
+//! 7807 beads of 6 mm in a drum of 250 x 150 mm at 17 rpm, time step 70 us; Hertz, Mindlin with
+//! history, damping, constant rolling torque. Arguments: threads, steps, skin in mm.
+#![expect(clippy::print_stdout, reason = "a bench reports by printing")]
+
+use std::time::Instant;
+
+use dem_core::prelude::*;
+
+type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
+
+fn law(material: &Material, friction: f64) -> Model {
+    let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
+    let g = material.shear_modulus();
+    let spec = HertzSpec { e_star: e / (2.0 * (1.0 - nu * nu)), restitution: 0.9 };
+    let normal = HertzTailCut::try_from(spec).expect("valid");
+    ContactModel {
+        normal,
+        tangential: Mindlin {
+            g_star: g / (2.0 * (2.0 - nu)),
+            friction: dem_core::contact::friction::Friction::coulomb(friction).expect("valid"),
+            damping: normal.damping,
+        },
+        rolling: ConstantTorqueSpec { coefficient: RollingCoefficient::Ratio(0.01) }.try_into().expect("valid"),
+        cohesion: Cohesionless,
+    }
+}
+
+fn main() {
+    let arguments: Vec<f64> = std::env::args().skip(1).filter_map(|a| a.parse().ok()).collect();
+    let argument = |k: usize, default: f64| arguments.get(k).copied().unwrap_or(default);
+    let (threads, steps) = (argument(0, 1.0) as usize, argument(1, 4000.0) as u64);
+    let skin = argument(2, 0.75) * 1e-3;
+    let count = argument(3, 7807.0) as usize;
+    let settle = argument(4, 14000.0) as u64;
+    let material = Material::from_shear_modulus(2.52e7, 0.29, 2500.0);
+    let (radius, length) = (0.125, 0.150 * count as f64 / 7807.0);
+    let mut b = WorldBuilder::<Model>::new(7e-5);
+    let (bead, wall) = (b.material(material), b.material(material));
+    b.pair_law(bead, bead, law(&material, 0.5)).pair_law(bead, wall, law(&material, 0.6));
+    b.gravity(DVec3::NEG_Y * 9.81).threads(threads).skin(skin);
+    b.domain(DVec3::new(-0.2, -0.2, -0.01), DVec3::new(0.2, 0.2, length + 0.01));
+    let turning = Motion::rotating(DVec3::ZERO, DVec3::Z, 17.0 * std::f64::consts::TAU / 60.0);
+    let drum = b.wall(Wall::drum(DVec3::ZERO, DVec3::Z, radius, wall).with_motion(turning));
+    b.wall(Wall::disc(DVec3::ZERO, DVec3::Z, 0.2, wall).with_motion(turning));
+    b.wall(Wall::disc(DVec3::Z * length, DVec3::NEG_Z, 0.2, wall).with_motion(turning));
+    let mut random = 42u64;
+    let mut jitter = || {
+        random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((random >> 40) as f64 / (1u64 << 24) as f64 - 0.5) * 2e-4
+    };
+    let pitch = 6.3e-3;
+    let per_row = (length / pitch) as usize;
+    let mut left = count;
+    'fill: for j in 0..40 {
+        for i in 0..40 {
+            let (x, y) = (-0.122 + pitch * i as f64, -0.122 + pitch * j as f64);
+            if x.hypot(y) > radius - 3.3e-3 {
+                continue;
+            }
+            for k in 0..per_row {
+                if left == 0 {
+                    break 'fill;
+                }
+                let z = (k as f64 + 0.5) * length / per_row as f64;
+                let p = DVec3::new(x + jitter(), y + jitter(), z + jitter());
+                b.sphere(Sphere::at(p, 3e-3, bead));
+                left -= 1;
+            }
+        }
+    }
+    let mut world = b.build().expect("a valid drum");
+    world.run(settle).expect("settling");
+    let (builds, start) = (world.list_builds(), Instant::now());
+    world.run(steps).expect("turning");
+    let time = start.elapsed().as_secs_f64();
+    let n = world.len() as f64;
+    println!(
+        "{} particles, {threads} threads: {:.1} ns a particle-step; {:.2} list pairs, {:.2} contacts a particle, list every {:.1} steps; torque {:.4} N m",
+        world.len(),
+        time * 1e9 / (steps as f64 * n),
+        world.list_pairs() as f64 / n,
+        world.contact_count() as f64 / n,
+        steps as f64 / (world.list_builds() - builds).max(1) as f64,
+        world.wall_load(drum).expect("the drum").torque.z,
+    );
+    println!("{:?}", world.energy());
+}

@@ -1,0 +1,38 @@
+//! Forward (explicit) Euler.
+//!
+//! `x' = x + v dt`, `v' = v + a dt`. Order 1; gains energy on every oscillation, by a factor
+//! `1 + (omega dt)^2` a step: for comparison only.
+
+use glam::DVec3;
+
+use super::{Drift, Integrator};
+
+/// Forward Euler.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ForwardEuler;
+
+impl Integrator for ForwardEuler {
+    const ORDER: u32 = 1;
+
+    #[inline(always)]
+    fn start(&self, _: DVec3, _: DVec3, _: f64) -> DVec3 {
+        DVec3::ZERO
+    }
+
+    #[inline(always)]
+    fn drift(&self, velocity: DVec3, acceleration: DVec3, _: &mut DVec3, dt: f64) -> Drift {
+        Drift { displacement: velocity * dt, end_velocity: velocity + acceleration * dt }
+    }
+
+    #[inline(always)]
+    fn kick(
+        &self,
+        velocity: DVec3,
+        old_acceleration: DVec3,
+        _: DVec3,
+        _: &mut DVec3,
+        dt: f64,
+    ) -> DVec3 {
+        velocity + old_acceleration * dt
+    }
+}

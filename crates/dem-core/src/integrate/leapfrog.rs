@@ -1,0 +1,40 @@
+//! Leapfrog: velocities live at half steps.
+//!
+//! `v(n+1/2) = v(n-1/2) + a(n) dt`, `x(n+1) = x(n) + v(n+1/2) dt`. Symplectic, order 2; the
+//! velocity reported at whole steps is the mean of its two neighbours.
+//! Hockney & Eastwood, Computer Simulation Using Particles (1988), chapter 4.
+
+use glam::DVec3;
+
+use super::{Drift, Integrator};
+
+/// Leapfrog.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Leapfrog;
+
+impl Integrator for Leapfrog {
+    const ORDER: u32 = 2;
+
+    #[inline(always)]
+    fn start(&self, velocity: DVec3, acceleration: DVec3, dt: f64) -> DVec3 {
+        velocity - acceleration * (0.5 * dt)
+    }
+
+    #[inline(always)]
+    fn drift(&self, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
+        *memory += acceleration * dt;
+        Drift { displacement: *memory * dt, end_velocity: *memory + acceleration * (0.5 * dt) }
+    }
+
+    #[inline(always)]
+    fn kick(
+        &self,
+        _: DVec3,
+        _: DVec3,
+        acceleration: DVec3,
+        memory: &mut DVec3,
+        dt: f64,
+    ) -> DVec3 {
+        *memory + acceleration * (0.5 * dt)
+    }
+}

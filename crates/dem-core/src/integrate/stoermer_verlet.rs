@@ -1,0 +1,40 @@
+//! Störmer-Verlet in its two-position form.
+//!
+//! `x'' = 2 x' - x + a' dt^2`, `v' = (x'' - x) / (2 dt)`. Order 2. The difference of positions is
+//! carried instead of the older position, so that no digits are lost far from the origin.
+//! Verlet, Phys. Rev. 159 (1967) 98, doi:10.1103/PhysRev.159.98.
+
+use glam::DVec3;
+
+use super::{Drift, Integrator};
+
+/// Störmer-Verlet.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct StoermerVerlet;
+
+impl Integrator for StoermerVerlet {
+    const ORDER: u32 = 2;
+
+    #[inline(always)]
+    fn start(&self, velocity: DVec3, acceleration: DVec3, dt: f64) -> DVec3 {
+        (velocity - acceleration * (0.5 * dt)) * dt
+    }
+
+    #[inline(always)]
+    fn drift(&self, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
+        *memory += acceleration * (dt * dt);
+        Drift { displacement: *memory, end_velocity: *memory / dt + acceleration * (0.5 * dt) }
+    }
+
+    #[inline(always)]
+    fn kick(
+        &self,
+        _: DVec3,
+        _: DVec3,
+        acceleration: DVec3,
+        memory: &mut DVec3,
+        dt: f64,
+    ) -> DVec3 {
+        *memory / dt + acceleration * (0.5 * dt)
+    }
+}

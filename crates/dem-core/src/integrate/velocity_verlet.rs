@@ -1,0 +1,40 @@
+//! Velocity Verlet.
+//!
+//! `x' = x + v dt + a dt^2 / 2`, `v' = v + (a + a') dt / 2`. Symplectic, order 2.
+//! Swope, Andersen, Berens & Wilson, J. Chem. Phys. 76 (1982) 637, doi:10.1063/1.442716.
+
+use glam::DVec3;
+
+use super::{Drift, Integrator};
+
+/// Velocity Verlet: the default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct VelocityVerlet;
+
+impl Integrator for VelocityVerlet {
+    const ORDER: u32 = 2;
+
+    #[inline(always)]
+    fn start(&self, _: DVec3, _: DVec3, _: f64) -> DVec3 {
+        DVec3::ZERO
+    }
+
+    #[inline(always)]
+    fn drift(&self, velocity: DVec3, acceleration: DVec3, _: &mut DVec3, dt: f64) -> Drift {
+        let half_kick = acceleration * (0.5 * dt);
+        let middle = velocity + half_kick;
+        Drift { displacement: middle * dt, end_velocity: middle + half_kick }
+    }
+
+    #[inline(always)]
+    fn kick(
+        &self,
+        velocity: DVec3,
+        old_acceleration: DVec3,
+        acceleration: DVec3,
+        _: &mut DVec3,
+        dt: f64,
+    ) -> DVec3 {
+        velocity + (old_acceleration + acceleration) * (0.5 * dt)
+    }
+}

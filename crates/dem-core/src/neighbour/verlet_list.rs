@@ -1,0 +1,157 @@
+//! The Verlet list: pairs in reach, touching ones first, with what their contacts remember.
+//!
+//! Pairs that touch (or nearly so) when the list is made come first, then those that are merely
+//! near; both runs are sorted by their first sphere. What contacts remember is stored in blocks
+//! of eight pairs, slot by slot, so that eight pairs load as one vector. A list also holds, for
+//! every sphere, the touching pairs in which it is the *second*: so each sphere can collect its
+//! forces in a fixed order, whichever thread computed them.
+
+/// Pairs in one block of remembered numbers.
+pub(crate) const LANES: usize = 8;
+
+/// Place of number `slot` of contact `pair`.
+#[inline(always)]
+pub(crate) fn memory_index(slots: usize, pair: usize, slot: usize) -> usize {
+    (pair / LANES * slots + slot) * LANES + pair % LANES
+}
+
+/// Round up to whole blocks.
+pub(crate) fn whole_blocks(pairs: usize) -> usize {
+    pairs.div_ceil(LANES) * LANES
+}
+
+/// The list.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct PairList {
+    /// Numbers that a contact remembers.
+    pub(crate) slots: usize,
+    /// Spheres of each pair; the places between the two runs are padding.
+    pub(crate) first: Vec<u32>,
+    pub(crate) second: Vec<u32>,
+    /// 1 for a pair in contact.
+    pub(crate) active: Vec<u8>,
+    /// What contacts remember, in blocks.
+    pub(crate) memory: Vec<f64>,
+    /// Number of touching pairs: they are `0..touching`.
+    pub(crate) touching: usize,
+    /// Near pairs are `near_begin..first.len()`.
+    pub(crate) near_begin: usize,
+    /// First touching, first near pair of each sphere.
+    pub(crate) touching_start: Vec<u32>,
+    pub(crate) near_start: Vec<u32>,
+    /// Touching pairs of which a sphere is the second.
+    pub(crate) second_start: Vec<u32>,
+    pub(crate) second_of: Vec<u32>,
+}
+
+/// A pair found by the search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Found {
+    pub(crate) first: u32,
+    pub(crate) second: u32,
+    pub(crate) touching: bool,
+}
+
+impl PairList {
+    pub(crate) fn near(&self) -> std::ops::Range<usize> {
+        self.near_begin..self.first.len()
+    }
+
+    /// Fill the list with `found`, and take over what the contacts of `old` remember. `old_place`
+    /// tells where a sphere was in `old`, if places changed.
+    pub(crate) fn fill(
+        &mut self,
+        spheres: usize,
+        slots: usize,
+        found: &[Found],
+        old: &PairList,
+        old_place: Option<&[u32]>,
+    ) {
+        self.slots = slots;
+        for start in [&mut self.touching_start, &mut self.near_start] {
+            start.clear();
+            start.resize(spheres + 1, 0);
+        }
+        for f in found {
+            let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
+            start[f.first as usize] += 1;
+        }
+        let touching = ends_from_counts(&mut self.touching_start, 0);
+        self.touching = touching;
+        self.near_begin = whole_blocks(touching);
+        let total = ends_from_counts(&mut self.near_start, self.near_begin);
+        for places in [&mut self.first, &mut self.second] {
+            places.clear();
+            places.resize(total, 0);
+        }
+        // From the back, so that pairs keep the order in which they were found and the counters
+        // end at the beginnings.
+        for f in found.iter().rev() {
+            let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
+            let place = &mut start[f.first as usize];
+            *place -= 1;
+            self.first[*place as usize] = f.first;
+            self.second[*place as usize] = f.second;
+        }
+        self.list_seconds(spheres);
+        self.active.clear();
+        self.active.resize(total, 0);
+        self.memory.clear();
+        self.memory.resize(whole_blocks(total) * slots, 0.0);
+        self.take_over(spheres, old, old_place);
+    }
+
+    fn list_seconds(&mut self, spheres: usize) {
+        self.second_start.clear();
+        self.second_start.resize(spheres + 1, 0);
+        for &s in &self.second[..self.touching] {
+            self.second_start[s as usize] += 1;
+        }
+        let total = ends_from_counts(&mut self.second_start, 0);
+        self.second_of.clear();
+        self.second_of.resize(total, 0);
+        for pair in (0..self.touching).rev() {
+            let place = &mut self.second_start[self.second[pair] as usize];
+            *place -= 1;
+            self.second_of[*place as usize] = pair as u32;
+        }
+    }
+
+    fn take_over(&mut self, spheres: usize, old: &PairList, old_place: Option<&[u32]>) {
+        if old.touching_start.len() != spheres + 1 {
+            return;
+        }
+        let before = |place: u32| old_place.map_or(place, |o| o[place as usize]);
+        for pair in (0..self.touching).chain(self.near()) {
+            let (a, b) = (before(self.first[pair]), before(self.second[pair]));
+            let Some(was) = old.find(a as usize, b) else { continue };
+            if old.active[was] == 0 {
+                continue;
+            }
+            self.active[pair] = 1;
+            for slot in 0..self.slots {
+                self.memory[memory_index(self.slots, pair, slot)] =
+                    old.memory[memory_index(self.slots, was, slot)];
+            }
+        }
+    }
+
+    /// Place of the pair (`first`, `second`).
+    pub(crate) fn find(&self, first: usize, second: u32) -> Option<usize> {
+        let runs = [&self.touching_start, &self.near_start];
+        runs.into_iter().find_map(|start| {
+            (start[first] as usize..start[first + 1] as usize).find(|&p| self.second[p] == second)
+        })
+    }
+}
+
+/// Turn counts into ends (to be counted down to beginnings); the last entry is the total.
+fn ends_from_counts(counts: &mut [u32], begin: usize) -> usize {
+    let mut sum = begin as u32;
+    for c in counts.iter_mut() {
+        sum += *c;
+        *c = sum;
+    }
+    sum as usize
+}

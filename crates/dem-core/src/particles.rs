@@ -1,0 +1,186 @@
+//! The store of bodies: one array a quantity, re-sorted in space, with stable names.
+
+use glam::DVec3;
+
+use crate::material::MaterialId;
+
+/// Name of a particle (a sphere or a clump): its number in the order of adding, for ever.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ParticleId(pub u32);
+
+impl std::fmt::Display for ParticleId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+/// A sphere to be added to a world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Sphere {
+    /// Centre, m.
+    pub position: DVec3,
+    /// Radius, m.
+    pub radius: f64,
+    /// Material; its density gives the mass.
+    pub material: MaterialId,
+    /// Velocity, m/s.
+    pub velocity: DVec3,
+    /// Angular velocity, rad/s.
+    pub spin: DVec3,
+}
+
+impl Sphere {
+    /// A sphere at rest.
+    pub fn at(position: DVec3, radius: f64, material: MaterialId) -> Self {
+        Self { position, radius, material, velocity: DVec3::ZERO, spin: DVec3::ZERO }
+    }
+
+    /// The same sphere with a velocity, m/s.
+    #[must_use]
+    pub fn with_velocity(mut self, velocity: DVec3) -> Self {
+        self.velocity = velocity;
+        self
+    }
+
+    /// The same sphere with an angular velocity, rad/s.
+    #[must_use]
+    pub fn with_spin(mut self, spin: DVec3) -> Self {
+        self.spin = spin;
+        self
+    }
+}
+
+/// Four numbers of one body, in one aligned 32-byte record: what a contact gathers at once.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(C, align(32))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Record {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) z: f64,
+    /// A scalar that belongs to the vector (radius, mass, ...).
+    pub(crate) w: f64,
+}
+
+impl Record {
+    #[inline(always)]
+    pub(crate) fn new(v: DVec3, w: f64) -> Self {
+        Self { x: v.x, y: v.y, z: v.z, w }
+    }
+
+    #[inline(always)]
+    pub(crate) fn vector(&self) -> DVec3 {
+        DVec3::new(self.x, self.y, self.z)
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, v: DVec3) {
+        self.x = v.x;
+        self.y = v.y;
+        self.z = v.z;
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, v: DVec3) {
+        self.x += v.x;
+        self.y += v.y;
+        self.z += v.z;
+    }
+}
+
+/// State of all bodies in storage order.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Bodies {
+    /// Name of the body at each place.
+    pub(crate) id: Vec<u32>,
+    /// Centre of mass and bounding radius.
+    pub(crate) position: Vec<Record>,
+    /// Velocity at the end of the last step, and mass.
+    pub(crate) velocity: Vec<Record>,
+    /// Angular velocity (laboratory frame), and moment of inertia of a sphere.
+    pub(crate) spin: Vec<Record>,
+    /// Acceleration at the end of the last step.
+    pub(crate) acceleration: Vec<Record>,
+    /// Angular acceleration of spheres; torque on clumps, N m.
+    pub(crate) angular_acceleration: Vec<Record>,
+    /// Velocity averaged over the last step (its displacement over its duration), and mass.
+    pub(crate) mean_velocity: Vec<Record>,
+    /// Angular velocity averaged likewise, and material number.
+    pub(crate) mean_spin: Vec<Record>,
+    /// Velocity that the last forces foretold for the end of the step, and charge.
+    pub(crate) end_velocity: Vec<Record>,
+    /// What the integrator remembers of the translation and of the rotation (of a clump: its
+    /// angular momentum).
+    pub(crate) linear_memory: Vec<Record>,
+    pub(crate) angular_memory: Vec<Record>,
+    /// Place of each body, by its name.
+    pub(crate) place: Vec<u32>,
+}
+
+impl Bodies {
+    pub(crate) fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        position: DVec3,
+        bounding_radius: f64,
+        velocity: DVec3,
+        mass: f64,
+        spin: DVec3,
+        moment: f64,
+        material: MaterialId,
+    ) -> ParticleId {
+        let id = self.len() as u32;
+        self.id.push(id);
+        self.place.push(id);
+        self.position.push(Record::new(position, bounding_radius));
+        self.velocity.push(Record::new(velocity, mass));
+        self.spin.push(Record::new(spin, moment));
+        self.mean_velocity.push(Record::new(velocity, mass));
+        self.mean_spin.push(Record::new(spin, f64::from(material.0)));
+        self.end_velocity.push(Record::new(velocity, 0.0));
+        for v in [
+            &mut self.acceleration,
+            &mut self.angular_acceleration,
+            &mut self.linear_memory,
+            &mut self.angular_memory,
+        ] {
+            v.push(Record::default());
+        }
+        ParticleId(id)
+    }
+
+    /// Put body `order[k]` at place `k`, for all `k`.
+    pub(crate) fn permute(&mut self, order: &[u32], scratch: &mut Vec<Record>) {
+        for v in [
+            &mut self.position,
+            &mut self.velocity,
+            &mut self.spin,
+            &mut self.acceleration,
+            &mut self.angular_acceleration,
+            &mut self.mean_velocity,
+            &mut self.mean_spin,
+            &mut self.end_velocity,
+            &mut self.linear_memory,
+            &mut self.angular_memory,
+        ] {
+            scratch.clear();
+            scratch.extend(order.iter().map(|&k| v[k as usize]));
+            std::mem::swap(v, scratch);
+        }
+        // `place` still holds where each name was: use it as scratch for the names.
+        let old_ids = &mut self.place;
+        old_ids.copy_from_slice(&self.id);
+        for (new, &old) in order.iter().enumerate() {
+            self.id[new] = old_ids[old as usize];
+        }
+        for (place, &id) in self.id.iter().enumerate() {
+            self.place[id as usize] = place as u32;
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Rigid bodies of several spheres, and the integrator of their rotation.
+
+mod clump;
+mod rotation;
+
+pub use clump::{Clump, ClumpSpec, ClumpSphere, PlacedClump};
+pub use rotation::FreeRotation;

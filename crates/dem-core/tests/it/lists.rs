@@ -1,0 +1,122 @@
+//! Neighbour lists lose no pair and no memory.
+
+use dem_core::contact::cohesion::LinearCohesion;
+use dem_core::prelude::*;
+
+use crate::scenes::{Model, Random, bead_material, drum, model};
+
+#[test]
+fn a_small_skin_gives_the_trajectory_of_a_list_of_all_pairs() {
+    let run = |skin: f64| {
+        let mut w = drum(300, 1.5, 1).skin(skin).build().unwrap();
+        w.run(3000).unwrap();
+        w
+    };
+    let (listed, all) = (run(2e-4), run(0.2));
+    assert_eq!(all.list_pairs(), 300 * 299 / 2);
+    assert!(listed.list_builds() > 50 && all.list_builds() == 1);
+    assert!(listed.contact_count() > 40, "{}", listed.contact_count());
+    for id in listed.particles() {
+        // The same contacts with the same memory: only the order of sums differs, rounding that
+        // collisions amplify.
+        assert!((listed.position(id) - all.position(id)).length() < 1e-8, "{id}");
+        assert!((listed.spin(id) - all.spin(id)).length() < 1e-2, "{id}");
+    }
+}
+
+#[test]
+fn the_turning_frame_and_the_laboratory_frame_find_the_same_contacts() {
+    let mut b = drum(400, 1.0, 1);
+    let mut often = b.skin(1e-4).build().unwrap();
+    let mut seldom = b.skin(1e-3).build().unwrap();
+    for _ in 0..10 {
+        often.run(100).unwrap();
+        seldom.run(100).unwrap();
+        let brute = (0..400u32)
+            .flat_map(|i| (i + 1..400).map(move |j| (ParticleId(i), ParticleId(j))))
+            .filter(|&(i, j)| {
+                let d = (seldom.position(i) - seldom.position(j)).length();
+                d < seldom.radius(i) + seldom.radius(j)
+            })
+            .count();
+        assert_eq!(seldom.contact_count(), brute);
+    }
+    assert!(seldom.list_builds() < often.list_builds());
+}
+
+#[test]
+fn cohesive_contacts_and_their_friction_survive_rebuilds() {
+    // A sticky pair rides on a belt of rebuilds that a third, fast particle forces.
+    let run = |with_runner: bool| {
+        let mut b = WorldBuilder::new(1e-5);
+        let m = b.material(bead_material());
+        let law = model(0.5, 0.5, 0.0);
+        let cohesion = LinearCohesion { energy_density: 1e6 };
+        let law = ContactModel {
+            normal: law.normal,
+            tangential: law.tangential,
+            rolling: law.rolling,
+            cohesion,
+        };
+        b.pair_law(m, m, law).domain(DVec3::splat(-1.0), DVec3::splat(1.0));
+        let a = b.sphere(Sphere::at(DVec3::ZERO, 3e-3, m).with_spin(DVec3::Z * 3.0));
+        let c = b.sphere(Sphere::at(DVec3::X * 5.995e-3, 3e-3, m).with_velocity(DVec3::Y * 0.01));
+        let v = DVec3::X * if with_runner { 4.0 } else { 0.0 };
+        b.sphere(Sphere::at(DVec3::new(-0.9, 0.5, 0.0), 3e-3, m).with_velocity(v));
+        let mut w = b.build().unwrap();
+        w.run(20_000).unwrap();
+        (w.position(a), w.spin(a), w.position(c), w.list_builds(), w.contact_count())
+    };
+    let (quiet, busy) = (run(false), run(true));
+    assert!(quiet.3 < 10 && busy.3 > 500, "{} {}", quiet.3, busy.3);
+    assert_eq!(quiet.4, 1);
+    // The same bits: a rebuild copies what a contact remembers.
+    assert_eq!((quiet.0, quiet.1, quiet.2), (busy.0, busy.1, busy.2));
+}
+
+#[test]
+fn a_periodic_axis_joins_both_ends() {
+    // A head-on collision across the boundary mirrors one in the middle.
+    let run = |shift: f64| {
+        let mut b = WorldBuilder::<Model>::new(1e-5);
+        let m = b.material(bead_material());
+        b.pair_law(m, m, model(0.4, 0.8, 0.01));
+        b.domain(DVec3::splat(-0.05), DVec3::splat(0.05)).periodic(Axis::Z);
+        let mut random = Random(2);
+        let ids: Vec<_> = (0..20)
+            .map(|k| {
+                let z = -0.045 + 4.6e-3 * f64::from(k) + shift;
+                let z = (z + 0.05).rem_euclid(0.1) - 0.05;
+                let v = DVec3::Z * (random.next() - 0.5) * 0.5;
+                b.sphere(Sphere::at(DVec3::new(1e-4 * random.next(), 0.0, z), 2e-3, m).with_velocity(v))
+            })
+            .collect();
+        let mut w = b.build().unwrap();
+        w.run(5000).unwrap();
+        ids.into_iter().map(|i| (w.velocity(i), w.spin(i))).collect::<Vec<_>>()
+    };
+    let (here, there) = (run(0.0), run(0.0337));
+    let moved = here.iter().filter(|(_, w)| w.length() > 1e-3).count();
+    assert!(moved > 10, "collisions happen: {moved}");
+    for ((v, w), (v2, w2)) in here.iter().zip(&there) {
+        // Rounding of shifted coordinates (1e-17 m over 1e-6 m of overlap), amplified.
+        assert!((*v - *v2).length() < 1e-6 && (*w - *w2).length() < 1e-2);
+    }
+}
+
+#[test]
+fn size_ratios_of_ten_lose_no_contact() {
+    let mut w = drum(500, 10.0, 1).build().unwrap();
+    for _ in 0..6 {
+        w.run(500).unwrap();
+        let all: Vec<_> = w.particles().collect();
+        let mut brute = 0;
+        for (k, &i) in all.iter().enumerate() {
+            brute += all[k + 1..]
+                .iter()
+                .filter(|&&j| (w.position(i) - w.position(j)).length() < w.radius(i) + w.radius(j))
+                .count();
+        }
+        assert_eq!(w.contact_count(), brute);
+    }
+}
