@@ -22,7 +22,9 @@ fn law(material: &Material, friction: f64) -> Model {
             friction: dem_core::contact::friction::Friction::coulomb(friction).expect("valid"),
             damping: normal.damping,
         },
-        rolling: ConstantTorqueSpec { coefficient: RollingCoefficient::Ratio(0.01) }.try_into().expect("valid"),
+        rolling: ConstantTorqueSpec { coefficient: RollingCoefficient::Ratio(0.01) }
+            .try_into()
+            .expect("valid"),
         cohesion: Cohesionless,
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::body_force::{Drag, Gravity};
+use crate::contact::elasticity::Elasticity;
 use crate::contact::kinematics::PairGeometry;
 use crate::contact::law::Memory;
 use crate::contact::model::ContactLaw;
@@ -15,13 +16,12 @@ use crate::gap_force::GapForce;
 use crate::geometry::{MotionState, PlacedWall, Wall};
 use crate::integrate::{Integrator, VelocityVerlet};
 use crate::material::{Material, MaterialId, PairTable};
-use crate::noncontact::NonContactForce;
-use crate::timestep::{hertz_time, rayleigh_time};
-use crate::contact::elasticity::Elasticity;
 use crate::neighbour::Period;
+use crate::noncontact::NonContactForce;
 use crate::particles::{ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
 use crate::threads::Team;
+use crate::timestep::{hertz_time, rayleigh_time};
 use crate::world::{Make, SPHERE, Scratch, State, World};
 
 /// Largest ratio of radii that the neighbour search is made for.
@@ -286,8 +286,8 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         self.check_time_step(smallest)?;
         let neck = self.largest_neck(&laws, largest, smallest, &state);
         let range = neck.max(self.largest_range(largest, smallest, &state));
-        let slots = <M::Memory as Memory>::SLOTS
-            + self.gap_forces.iter().map(|f| f.slots()).sum::<usize>();
+        let slots =
+            <M::Memory as Memory>::SLOTS + self.gap_forces.iter().map(|f| f.slots()).sum::<usize>();
         if slots > MAX_SLOTS {
             return Err(Error::Parameter {
                 name: "numbers remembered by a contact",
@@ -303,8 +303,10 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             }
         }
         let mut state = state;
-        state.walls =
-            walls.iter().map(|w| MotionState { motion: w.motion, ..MotionState::default() }).collect();
+        state.walls = walls
+            .iter()
+            .map(|w| MotionState { motion: w.motion, ..MotionState::default() })
+            .collect();
         let placed: Vec<PlacedWall> =
             walls.iter().zip(&state.walls).map(|(w, s)| PlacedWall::new(w, s, 0.0, 0.0)).collect();
         let turning_wall =
@@ -352,10 +354,9 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
     }
 
     fn known(&self, material: MaterialId) -> Result<&Material, Error> {
-        self.materials.get(usize::from(material.0)).ok_or(Error::UnknownMaterial {
-            material: material.0,
-            declared: self.materials.len(),
-        })
+        self.materials
+            .get(usize::from(material.0))
+            .ok_or(Error::UnknownMaterial { material: material.0, declared: self.materials.len() })
     }
 
     fn bodies(&self, domain: &[DVec3; 2]) -> Result<State, Error> {
@@ -448,9 +449,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         let Some((_, _, any)) = self.laws.first() else { return Ok(Vec::new()) };
         let all = (0..n as u16).flat_map(|a| (0..n as u16).map(move |b| (a, b)));
         // A pair without a law cannot meet (checked above): its entry is never read.
-        Ok(all
-            .map(|(a, b)| *table.get(MaterialId(a), MaterialId(b)).unwrap_or(any))
-            .collect())
+        Ok(all.map(|(a, b)| *table.get(MaterialId(a), MaterialId(b)).unwrap_or(any)).collect())
     }
 
     fn check_time_step(&self, smallest: f64) -> Result<(), Error> {
@@ -490,8 +489,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         for law in laws {
             for (a, b) in [(largest, largest), (smallest, smallest), (largest, f64::INFINITY)] {
                 let r_star = if b.is_finite() { a * b / (a + b) } else { a };
-                let pair =
-                    PairGeometry { r_star, m_star: 0.5 * mass, radius_i: a, radius_j: b };
+                let pair = PairGeometry { r_star, m_star: 0.5 * mass, radius_i: a, radius_j: b };
                 neck = neck.max(law.reach(&pair));
             }
         }
@@ -506,11 +504,15 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         let mut range = 0.0f64;
         for force in &self.gap_forces {
             for (a, b) in ids.clone().flat_map(|a| ids.clone().map(move |b| (a, b))) {
-                for (i, j) in
-                    [(largest, largest), (largest, smallest), (smallest, smallest), (largest, f64::INFINITY)]
-                {
+                for (i, j) in [
+                    (largest, largest),
+                    (largest, smallest),
+                    (smallest, smallest),
+                    (largest, f64::INFINITY),
+                ] {
                     let r_star = if j.is_finite() { i * j / (i + j) } else { i };
-                    let pair = PairGeometry { r_star, m_star: 0.5 * mass, radius_i: i, radius_j: j };
+                    let pair =
+                        PairGeometry { r_star, m_star: 0.5 * mass, radius_i: i, radius_j: j };
                     let reach = force.range(MaterialId(a), MaterialId(b), &pair);
                     range = range.max(reach.unwrap_or(0.0));
                 }

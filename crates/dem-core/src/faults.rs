@@ -25,7 +25,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 
     fn body_of(&self, sphere: u32) -> usize {
-        if self.has_clumps() { self.state.members.body[sphere as usize] as usize } else { sphere as usize }
+        if self.has_clumps() {
+            self.state.members.body[sphere as usize] as usize
+        } else {
+            sphere as usize
+        }
     }
 
     fn too_deep(&self, deep: DeepOverlap) -> Error {

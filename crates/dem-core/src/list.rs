@@ -188,12 +188,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         m.first.push(m.id.len() as u32);
-        for v in [
-            &mut m.position,
-            &mut m.mean_velocity,
-            &mut m.mean_spin,
-            &mut m.end_velocity,
-        ] {
+        for v in [&mut m.position, &mut m.mean_velocity, &mut m.mean_spin, &mut m.end_velocity] {
             v.resize(m.id.len(), Record::default());
         }
         m.end_spin.resize(b.len(), Record::default());

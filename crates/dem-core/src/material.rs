@@ -39,11 +39,7 @@ impl Material {
 
     /// The material with these shear modulus (Pa), Poisson's ratio and density (kg/m3).
     pub fn from_shear_modulus(shear_modulus: f64, poisson_ratio: f64, density: f64) -> Self {
-        Self {
-            youngs_modulus: 2.0 * (1.0 + poisson_ratio) * shear_modulus,
-            poisson_ratio,
-            density,
-        }
+        Self { youngs_modulus: 2.0 * (1.0 + poisson_ratio) * shear_modulus, poisson_ratio, density }
     }
 
     /// Check the constants.

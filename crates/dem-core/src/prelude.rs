@@ -3,9 +3,9 @@
 pub use crate::body_force::{Drag, Gravity};
 pub use crate::builder::{Axis, WorldBuilder};
 pub use crate::contact::cohesion::Cohesionless;
+pub use crate::contact::friction::{Friction, FrictionSpec};
 pub use crate::contact::model::{ContactLaw, ContactModel};
 pub use crate::contact::normal::{Hertz, HertzSpec, HertzTailCut, HertzTailKept};
-pub use crate::contact::friction::{Friction, FrictionSpec};
 pub use crate::contact::rolling::{
     ConstantTorque, ConstantTorqueSpec, FreeRolling, RollingArm, RollingCoefficient,
 };

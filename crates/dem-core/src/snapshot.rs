@@ -499,7 +499,7 @@ impl Value for Option<Drag> {
 
 /// FNV-1a, 64 bits: finds damage, is no seal. Fowler, Noll & Vo, draft-eastlake-fnv.
 fn fnv(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, &b| {
-        (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
-    })
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
 }

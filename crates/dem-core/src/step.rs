@@ -8,8 +8,8 @@ use crate::forces::MemoryRun;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::LANES;
-use crate::neighbour::wall_list::WallList;
 use crate::neighbour::verlet_list::PairList;
+use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::rigid::FreeRotation;
 use crate::threads::for_each_chunk;
@@ -96,39 +96,39 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (acceleration, angular) = (&b.acceleration, &b.angular_acceleration);
         let reference = &self.state.list.reference;
         for_each_chunk!(threads, |c|
-            position in b.position, CHUNK;
-            mean_velocity in b.mean_velocity, CHUNK;
-            end_velocity in b.end_velocity, CHUNK;
-            mean_spin in b.mean_spin, CHUNK;
-            linear in b.linear_memory, CHUNK;
-            turn in b.angular_memory, CHUNK;
-            result in chunks, 1
-            => {
-                let begin = c * CHUNK;
-                let mut moved_far = false;
-                for k in 0..position.len() {
-                    let g = begin + k;
-                    let mut memory = linear[k].vector();
+        position in b.position, CHUNK;
+        mean_velocity in b.mean_velocity, CHUNK;
+        end_velocity in b.end_velocity, CHUNK;
+        mean_spin in b.mean_spin, CHUNK;
+        linear in b.linear_memory, CHUNK;
+        turn in b.angular_memory, CHUNK;
+        result in chunks, 1
+        => {
+            let begin = c * CHUNK;
+            let mut moved_far = false;
+            for k in 0..position.len() {
+                let g = begin + k;
+                let mut memory = linear[k].vector();
+                let d = integrator.drift(
+                    velocity[g].vector(), acceleration[g].vector(), &mut memory, dt);
+                linear[k].set(memory);
+                position[k].add(d.displacement);
+                mean_velocity[k].set(d.displacement / dt);
+                end_velocity[k].set(d.end_velocity);
+                // A clump has no single moment of inertia: it turns elsewhere.
+                if spin[g].w > 0.0 {
+                    let mut memory = turn[k].vector();
                     let d = integrator.drift(
-                        velocity[g].vector(), acceleration[g].vector(), &mut memory, dt);
-                    linear[k].set(memory);
-                    position[k].add(d.displacement);
-                    mean_velocity[k].set(d.displacement / dt);
-                    end_velocity[k].set(d.end_velocity);
-                    // A clump has no single moment of inertia: it turns elsewhere.
-                    if spin[g].w > 0.0 {
-                        let mut memory = turn[k].vector();
-                        let d = integrator.drift(
-                            spin[g].vector(), angular[g].vector(), &mut memory, dt);
-                        turn[k].set(memory);
-                        mean_spin[k].set(d.displacement / dt);
-                    }
-                    let moved = position[k].vector() - frame.image(reference[g].vector());
-                    // Written so that a position that is not a number counts as moved.
-                    moved_far |= !(moved.length_squared() <= limit);
+                        spin[g].vector(), angular[g].vector(), &mut memory, dt);
+                    turn[k].set(memory);
+                    mean_spin[k].set(d.displacement / dt);
                 }
-                result[0].moved_far = moved_far;
-            });
+                let moved = position[k].vector() - frame.image(reference[g].vector());
+                // Written so that a position that is not a number counts as moved.
+                moved_far |= !(moved.length_squared() <= limit);
+            }
+            result[0].moved_far = moved_far;
+        });
         if self.has_clumps() {
             self.turn_clumps();
         }
@@ -143,26 +143,26 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (torque, threads) = (&b.angular_acceleration, self.team.threads());
         let shape = &m.shape;
         for_each_chunk!(threads, |c|
-            attitude in m.attitude, CHUNK;
-            mean_spin in b.mean_spin, CHUNK;
-            end_spin in m.end_spin, CHUNK;
-            momentum in b.angular_memory, CHUNK
-            => {
-                for k in 0..attitude.len() {
-                    let g = c * CHUNK + k;
-                    if shape[g] == SPHERE {
-                        continue;
-                    }
-                    let moments = shapes[shape[g] as usize].moments;
-                    let half = momentum[k].vector() + torque[g].vector() * (0.5 * dt);
-                    let turn = FreeRotation::turn(moments, attitude[k], half, dt);
-                    attitude[k] = turn.orientation;
-                    momentum[k].set(half);
-                    mean_spin[k].set(turn.mean_spin);
-                    let end = half + torque[g].vector() * (0.5 * dt);
-                    end_spin[k].set(spin_of(end, turn.orientation, moments));
+        attitude in m.attitude, CHUNK;
+        mean_spin in b.mean_spin, CHUNK;
+        end_spin in m.end_spin, CHUNK;
+        momentum in b.angular_memory, CHUNK
+        => {
+            for k in 0..attitude.len() {
+                let g = c * CHUNK + k;
+                if shape[g] == SPHERE {
+                    continue;
                 }
-            });
+                let moments = shapes[shape[g] as usize].moments;
+                let half = momentum[k].vector() + torque[g].vector() * (0.5 * dt);
+                let turn = FreeRotation::turn(moments, attitude[k], half, dt);
+                attitude[k] = turn.orientation;
+                momentum[k].set(half);
+                mean_spin[k].set(turn.mean_spin);
+                let end = half + torque[g].vector() * (0.5 * dt);
+                end_spin[k].set(spin_of(end, turn.orientation, moments));
+            }
+        });
     }
 
     fn move_walls(&mut self, dt: f64) {
@@ -202,7 +202,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 m.arm[s] = Record::new(arm, radius);
                 m.position[s] = Record::new(b.position[body].vector() + arm, radius);
                 let (v, v_end) = (b.mean_velocity[body], b.end_velocity[body]);
-                m.mean_velocity[s] = Record::new(v.vector() + mean_spin.vector().cross(middle), v.w);
+                m.mean_velocity[s] =
+                    Record::new(v.vector() + mean_spin.vector().cross(middle), v.w);
                 m.mean_spin[s] = mean_spin;
                 m.end_velocity[s] =
                     Record::new(v_end.vector() + end_spin.vector().cross(arm), v_end.w);
@@ -262,61 +263,61 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (end_velocity, position) = (&b.end_velocity, &b.position);
         chunks.resize(b.id.len().div_ceil(CHUNK), BodyYield::default());
         for_each_chunk!(threads, |c|
-            velocity in b.velocity, CHUNK;
-            spin in b.spin, CHUNK;
-            acceleration in b.acceleration, CHUNK;
-            angular in b.angular_acceleration, CHUNK;
-            linear in b.linear_memory, CHUNK;
-            turn in b.angular_memory, CHUNK;
-            result in chunks, 1
-            => {
-                let mut flow = crate::energy::Flow::default();
-                for k in 0..velocity.len() {
-                    let g = c * CHUNK + k;
-                    let (mut force, torque) = if clumps {
-                        collect.body(m, g)
-                    } else {
-                        collect.sphere(g)
-                    };
-                    let mass = velocity[k].w;
-                    if let Some(drag) = &drag {
-                        let v = end_velocity[g].vector();
-                        let resistance = drag.force(mass, position[g].w, v);
-                        force += resistance;
-                        flow.drag -= resistance.dot(v);
-                    }
-                    if ledger {
-                        flow.gravity_turn -= mass * gravity_rate.dot(position[g].vector());
-                    }
-                    let new = force / mass + gravity;
-                    let old = acceleration[k].vector();
-                    acceleration[k].set(new);
-                    let moment = spin[k].w;
-                    let old_turn = angular[k].vector();
-                    let new_turn = if moment > 0.0 { torque / moment } else { torque };
-                    angular[k].set(new_turn);
-                    if dt == 0.0 {
-                        continue;
-                    }
-                    let mut memory = linear[k].vector();
-                    let v = integrator.kick(velocity[k].vector(), old, new, &mut memory, dt);
-                    velocity[k].set(v);
-                    linear[k].set(memory);
-                    if moment > 0.0 {
-                        let mut memory = turn[k].vector();
-                        let w = integrator.kick(
-                            spin[k].vector(), old_turn, new_turn, &mut memory, dt);
-                        spin[k].set(w);
-                        turn[k].set(memory);
-                    } else {
-                        let momentum = turn[k].vector() + torque * (0.5 * dt);
-                        turn[k].set(momentum);
-                        let moments = shapes[m.shape[g] as usize].moments;
-                        spin[k].set(spin_of(momentum, m.attitude[g], moments));
-                    }
+        velocity in b.velocity, CHUNK;
+        spin in b.spin, CHUNK;
+        acceleration in b.acceleration, CHUNK;
+        angular in b.angular_acceleration, CHUNK;
+        linear in b.linear_memory, CHUNK;
+        turn in b.angular_memory, CHUNK;
+        result in chunks, 1
+        => {
+            let mut flow = crate::energy::Flow::default();
+            for k in 0..velocity.len() {
+                let g = c * CHUNK + k;
+                let (mut force, torque) = if clumps {
+                    collect.body(m, g)
+                } else {
+                    collect.sphere(g)
+                };
+                let mass = velocity[k].w;
+                if let Some(drag) = &drag {
+                    let v = end_velocity[g].vector();
+                    let resistance = drag.force(mass, position[g].w, v);
+                    force += resistance;
+                    flow.drag -= resistance.dot(v);
                 }
-                result[0].flow = flow;
-            });
+                if ledger {
+                    flow.gravity_turn -= mass * gravity_rate.dot(position[g].vector());
+                }
+                let new = force / mass + gravity;
+                let old = acceleration[k].vector();
+                acceleration[k].set(new);
+                let moment = spin[k].w;
+                let old_turn = angular[k].vector();
+                let new_turn = if moment > 0.0 { torque / moment } else { torque };
+                angular[k].set(new_turn);
+                if dt == 0.0 {
+                    continue;
+                }
+                let mut memory = linear[k].vector();
+                let v = integrator.kick(velocity[k].vector(), old, new, &mut memory, dt);
+                velocity[k].set(v);
+                linear[k].set(memory);
+                if moment > 0.0 {
+                    let mut memory = turn[k].vector();
+                    let w = integrator.kick(
+                        spin[k].vector(), old_turn, new_turn, &mut memory, dt);
+                    spin[k].set(w);
+                    turn[k].set(memory);
+                } else {
+                    let momentum = turn[k].vector() + torque * (0.5 * dt);
+                    turn[k].set(momentum);
+                    let moments = shapes[m.shape[g] as usize].moments;
+                    spin[k].set(spin_of(momentum, m.attitude[g], moments));
+                }
+            }
+            result[0].flow = flow;
+        });
         self.scratch.body_yield = chunks;
     }
 
@@ -353,33 +354,37 @@ fn touching_pairs<M: ContactLaw>(
     s: &mut Scratch,
 ) {
     let n = pairs.touching;
-    for v in [&mut s.wrenches.pair_force, &mut s.wrenches.pair_torque_first, &mut s.wrenches.pair_torque_second] {
+    for v in [
+        &mut s.wrenches.pair_force,
+        &mut s.wrenches.pair_torque_first,
+        &mut s.wrenches.pair_torque_second,
+    ] {
         v.resize(n, Record::default());
     }
     s.pair_yield.resize_with(n.div_ceil(CHUNK), Default::default);
     let slots = pairs.slots;
     let (first, second) = (&pairs.first, &pairs.second);
     for_each_chunk!(threads, |c|
-        active in pairs.active[..n], CHUNK;
-        numbers in pairs.memory, CHUNK * slots;
-        force in s.wrenches.pair_force, CHUNK;
-        torque_first in s.wrenches.pair_torque_first, CHUNK;
-        torque_second in s.wrenches.pair_torque_second, CHUNK;
-        result in s.pair_yield, 1
-        => {
-            let into = &mut result[0];
-            into.reset();
-            let mut memory = MemoryRun { slots, numbers };
-            for k in 0..active.len() {
-                let p = c * CHUNK + k;
-                let wrench = context
-                    .pair(first[p], second[p], k, &mut active[k], &mut memory, into)
-                    .unwrap_or_default();
-                force[k].set(wrench.force);
-                torque_first[k].set(wrench.torque_on_first);
-                torque_second[k].set(wrench.torque_on_second);
-            }
-        });
+    active in pairs.active[..n], CHUNK;
+    numbers in pairs.memory, CHUNK * slots;
+    force in s.wrenches.pair_force, CHUNK;
+    torque_first in s.wrenches.pair_torque_first, CHUNK;
+    torque_second in s.wrenches.pair_torque_second, CHUNK;
+    result in s.pair_yield, 1
+    => {
+        let into = &mut result[0];
+        into.reset();
+        let mut memory = MemoryRun { slots, numbers };
+        for k in 0..active.len() {
+            let p = c * CHUNK + k;
+            let wrench = context
+                .pair(first[p], second[p], k, &mut active[k], &mut memory, into)
+                .unwrap_or_default();
+            force[k].set(wrench.force);
+            torque_first[k].set(wrench.torque_on_first);
+            torque_second[k].set(wrench.torque_on_second);
+        }
+    });
 }
 
 fn near_pairs<M: ContactLaw>(
@@ -395,22 +400,22 @@ fn near_pairs<M: ContactLaw>(
     debug_assert_eq!(begin % LANES, 0);
     let numbers = &mut pairs.memory[begin * slots..];
     for_each_chunk!(threads, |c|
-        active in pairs.active[begin..], CHUNK;
-        numbers in numbers, CHUNK * slots;
-        result in s.near_yield, 1
-        => {
-            let into = &mut result[0];
-            into.reset();
-            let mut memory = MemoryRun { slots, numbers };
-            for k in 0..active.len() {
-                let p = c * CHUNK + k;
-                let (a, b) = (first[p], second[p]);
-                let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into);
-                if let Some(wrench) = wrench {
-                    into.late.push(crate::forces::Late { first: a, second: b, wrench });
-                }
+    active in pairs.active[begin..], CHUNK;
+    numbers in numbers, CHUNK * slots;
+    result in s.near_yield, 1
+    => {
+        let into = &mut result[0];
+        into.reset();
+        let mut memory = MemoryRun { slots, numbers };
+        for k in 0..active.len() {
+            let p = c * CHUNK + k;
+            let (a, b) = (first[p], second[p]);
+            let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into);
+            if let Some(wrench) = wrench {
+                into.late.push(crate::forces::Late { first: a, second: b, wrench });
             }
-        });
+        }
+    });
 }
 
 fn wall_contacts<M: ContactLaw>(
@@ -421,7 +426,11 @@ fn wall_contacts<M: ContactLaw>(
     s: &mut Scratch,
 ) {
     let (n, slots) = (walls.len(), walls.slots);
-    for v in [&mut s.wrenches.wall_force, &mut s.wrenches.wall_torque, &mut s.wrenches.wall_torque_on_wall] {
+    for v in [
+        &mut s.wrenches.wall_force,
+        &mut s.wrenches.wall_torque,
+        &mut s.wrenches.wall_torque_on_wall,
+    ] {
         v.resize(n, Record::default());
     }
     s.wall_yield.resize_with(n.div_ceil(CHUNK), Default::default);
@@ -432,37 +441,43 @@ fn wall_contacts<M: ContactLaw>(
         let position = context.spheres.position;
         let nearest = &mut s.mesh_nearest;
         crate::mesh_contacts::assign(
-            &make.walls, context.walls, position, make.range, walls, nearest);
+            &make.walls,
+            context.walls,
+            position,
+            make.range,
+            walls,
+            nearest,
+        );
     }
     #[cfg(not(feature = "mesh"))]
     let _ = make;
     let mesh_nearest = &s.mesh_nearest;
     let (sphere, wall) = (&walls.sphere, &walls.wall);
     for_each_chunk!(threads, |c|
-        active in walls.active, CHUNK;
-        numbers in walls.memory, CHUNK * slots;
-        force in s.wrenches.wall_force, CHUNK;
-        torque in s.wrenches.wall_torque, CHUNK;
-        on_wall in s.wrenches.wall_torque_on_wall, CHUNK;
-        result in s.wall_yield, 1
-        => {
-            let into = &mut result[0];
-            into.reset();
-            let mut memory = MemoryRun { slots, numbers };
-            for k in 0..active.len() {
-                let e = c * CHUNK + k;
-                let (a, w) = (sphere[e], wall[e]);
-                let x = context.spheres.position[a as usize].vector();
-                let analytic = context.walls[w as usize].nearest(x);
-                let nearest = analytic.or_else(|| mesh_nearest.get(e).copied().flatten());
-                let wrench = nearest
-                    .and_then(|n| context.wall(a, w, &n, k, &mut active[k], &mut memory, into))
-                    .unwrap_or_default();
-                force[k].set(wrench.force);
-                torque[k].set(wrench.torque_on_first);
-                on_wall[k].set(wrench.torque_on_second);
-            }
-        });
+    active in walls.active, CHUNK;
+    numbers in walls.memory, CHUNK * slots;
+    force in s.wrenches.wall_force, CHUNK;
+    torque in s.wrenches.wall_torque, CHUNK;
+    on_wall in s.wrenches.wall_torque_on_wall, CHUNK;
+    result in s.wall_yield, 1
+    => {
+        let into = &mut result[0];
+        into.reset();
+        let mut memory = MemoryRun { slots, numbers };
+        for k in 0..active.len() {
+            let e = c * CHUNK + k;
+            let (a, w) = (sphere[e], wall[e]);
+            let x = context.spheres.position[a as usize].vector();
+            let analytic = context.walls[w as usize].nearest(x);
+            let nearest = analytic.or_else(|| mesh_nearest.get(e).copied().flatten());
+            let wrench = nearest
+                .and_then(|n| context.wall(a, w, &n, k, &mut active[k], &mut memory, into))
+                .unwrap_or_default();
+            force[k].set(wrench.force);
+            torque[k].set(wrench.torque_on_first);
+            on_wall[k].set(wrench.torque_on_second);
+        }
+    });
 }
 
 /// Add the wrenches of near pairs to their spheres, in the order of the list.

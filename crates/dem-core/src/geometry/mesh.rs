@@ -113,8 +113,7 @@ impl Mesh {
         let vertices: Vec<DVec3> = (stl.vertices.iter())
             .map(|v| DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2])) * scale)
             .collect();
-        let faces: Vec<[u32; 3]> =
-            stl.faces.iter().map(|f| f.vertices.map(|v| v as u32)).collect();
+        let faces: Vec<[u32; 3]> = stl.faces.iter().map(|f| f.vertices.map(|v| v as u32)).collect();
         Self::new(&vertices, &faces)
     }
 
@@ -126,10 +125,9 @@ impl Mesh {
     pub fn from_obj(bytes: &[u8], scale: f64) -> Result<Self, Error> {
         let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
         let mut reader = bytes;
-        let (models, _) = tobj::load_obj_buf(&mut reader, &options, |_| {
-            Err(tobj::LoadError::OpenFileFailed)
-        })
-        .map_err(|e| Error::MeshRead { format: "OBJ", reason: e.to_string() })?;
+        let (models, _) =
+            tobj::load_obj_buf(&mut reader, &options, |_| Err(tobj::LoadError::OpenFileFailed))
+                .map_err(|e| Error::MeshRead { format: "OBJ", reason: e.to_string() })?;
         let (mut vertices, mut faces) = (Vec::new(), Vec::new());
         for model in &models {
             let first = vertices.len() as u32;
@@ -277,5 +275,26 @@ impl MeshContact {
             distance: self.distance,
             wall_radius: f64::INFINITY,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn above_an_edge_the_nearest_point_is_straight_below() {
+        let h = 1e-3;
+        let corners = [
+            DVec3::new(2.0 * h, 0.0, 0.0),
+            DVec3::new(2.0 * h, 2.0 * h, 0.0),
+            DVec3::new(0.0, 2.0 * h, 0.0),
+        ];
+        let x = DVec3::new(h, h, 3.0 * h);
+        let (p, _) = closest_point(corners, x);
+        assert!((p - DVec3::new(h, h, 0.0)).length() < 1e-18, "{p}");
+        let corners = [DVec3::ZERO, DVec3::new(2.0 * h, 0.0, 0.0), DVec3::new(0.0, 2.0 * h, 0.0)];
+        let (p, _) = closest_point(corners, x);
+        assert!((p - DVec3::new(h, h, 0.0)).length() < 1e-18, "{p}");
     }
 }

@@ -59,11 +59,7 @@ pub struct Wall {
 impl Wall {
     /// A plane through `point` that keeps particles on the side of `normal`.
     pub fn plane(point: DVec3, normal: DVec3, material: MaterialId) -> Self {
-        Self {
-            shape: Shape::Plane(Plane { point, normal }),
-            material,
-            motion: Motion::default(),
-        }
+        Self { shape: Shape::Plane(Plane { point, normal }), material, motion: Motion::default() }
     }
 
     /// An unbounded hollow cylinder: the mantle of a drum.

@@ -27,14 +27,7 @@ impl Integrator for Leapfrog {
     }
 
     #[inline(always)]
-    fn kick(
-        &self,
-        _: DVec3,
-        _: DVec3,
-        acceleration: DVec3,
-        memory: &mut DVec3,
-        dt: f64,
-    ) -> DVec3 {
+    fn kick(&self, _: DVec3, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> DVec3 {
         *memory + acceleration * (0.5 * dt)
     }
 }

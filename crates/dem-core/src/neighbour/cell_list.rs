@@ -215,7 +215,10 @@ impl Level {
                 let all = self.cells[k] as isize;
                 if high - low + 1 >= all { (0, all - 1) } else { (low, high) }
             } else {
-                (self.cell_along(k, x[k] - reach) as isize, self.cell_along(k, x[k] + reach) as isize)
+                (
+                    self.cell_along(k, x[k] - reach) as isize,
+                    self.cell_along(k, x[k] + reach) as isize,
+                )
             }
         };
         let (f0, f1) = span(f);
@@ -253,7 +256,12 @@ mod tests {
             .collect()
     }
 
-    fn pairs(cells: &mut CellList, p: &[Record], range: f64, period: Option<Period>) -> Vec<(u32, u32)> {
+    fn pairs(
+        cells: &mut CellList,
+        p: &[Record],
+        range: f64,
+        period: Option<Period>,
+    ) -> Vec<(u32, u32)> {
         cells.sort(p, range, period);
         let mut out = Vec::new();
         cells.for_each_candidate(0..p.len(), range, period, |k, row| {

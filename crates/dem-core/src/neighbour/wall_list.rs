@@ -66,9 +66,7 @@ impl WallList {
             };
             let own = nth(self, self.start[sphere as usize], entry);
             let old_range = old.start[was_at] as usize..old.start[was_at + 1] as usize;
-            let was = old_range
-                .filter(|&e| old.wall[e] == self.wall[entry])
-                .nth(own);
+            let was = old_range.filter(|&e| old.wall[e] == self.wall[entry]).nth(own);
             let Some(was) = was else { continue };
             self.facet[entry] = old.facet[was];
             self.active[entry] = old.active[was];

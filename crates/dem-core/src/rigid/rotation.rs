@@ -71,7 +71,6 @@ fn cayley_back(half: DVec3, v: DVec3) -> DVec3 {
     v - (half.cross(v) - half.cross(half.cross(v))) * (2.0 / denominator)
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

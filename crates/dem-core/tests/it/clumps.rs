@@ -85,7 +85,7 @@ fn dzhanibekov_flips_come_at_the_period_of_the_elliptic_integral() {
     // Two cases by the sign of M^2 - 2 E I2; here it is negative: exchange 1 and 3.
     assert!(m2 < 2.0 * e * i2);
     let p = ((i1 - i2) * (2.0 * e * i3 - m2) / (i1 * i2 * i3) * -1.0).sqrt();
-    let k2 = (i2 - i3) * (2.0 * e * i1 - m2) / ((i2 - i1) * (2.0 * e * i3 - m2)) ;
+    let k2 = (i2 - i3) * (2.0 * e * i1 - m2) / ((i2 - i1) * (2.0 * e * i3 - m2));
     let period = 4.0 * complete_elliptic(k2) / p;
     let mut q = DQuat::IDENTITY;
     let dt = 1e-3;
@@ -155,7 +155,10 @@ fn colliding_clumps_conserve_momentum_and_settle_without_gaining_energy() {
     let (mut b, m) = builder(5e-6);
     let shape = b.clump_shape(bent(m));
     let a = b.clump(PlacedClump { velocity: DVec3::X, ..placed(shape, DVec3::X * -8e-3) });
-    let c = b.clump(PlacedClump { velocity: DVec3::NEG_X, ..placed(shape, DVec3::new(8e-3, 1e-3, 0.0)) });
+    let c = b.clump(PlacedClump {
+        velocity: DVec3::NEG_X,
+        ..placed(shape, DVec3::new(8e-3, 1e-3, 0.0))
+    });
     b.sphere(Sphere::at(DVec3::Y * 0.011, 2e-3, m).with_velocity(DVec3::NEG_Y));
     let mut w = b.build().unwrap();
     let moments = bent(m).moments();

@@ -24,7 +24,9 @@ fn cloud(dt: f64, law: Model) -> WorldBuilder<Model> {
                 let p = (DVec3::new(i as f64, j as f64, k as f64) - 1.5) * 6.5e-3;
                 let v = -p * 20.0 + random.vector() * 0.2;
                 let radius = 2e-3 + 1e-3 * random.next();
-                b.sphere(Sphere::at(p, radius, m).with_velocity(v).with_spin(random.vector() * 50.0));
+                b.sphere(
+                    Sphere::at(p, radius, m).with_velocity(v).with_spin(random.vector() * 50.0),
+                );
             }
         }
     }
@@ -53,7 +55,8 @@ fn walls_take_exactly_the_momentum_that_particles_lose() {
     w.run(2000).unwrap();
     let total: f64 = w.particles().map(|k| w.mass(k)).sum();
     let dt = w.time_step();
-    let load = |w: &World<Model>| (0..w.walls()).map(|k| w.wall_load(k).unwrap().force).sum::<DVec3>();
+    let load =
+        |w: &World<Model>| (0..w.walls()).map(|k| w.wall_load(k).unwrap().force).sum::<DVec3>();
     for _ in 0..50 {
         let (p0, f0) = (momentum(&w).0, load(&w));
         w.run(1).unwrap();

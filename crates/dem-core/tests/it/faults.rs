@@ -43,7 +43,9 @@ fn spheres_placed_into_one_another_are_named_with_their_partner() {
     assert_eq!(fault.particle, ParticleId(0));
     assert_eq!(fault.partner, Some(Partner::Particle(ParticleId(1))));
     assert_eq!(fault.cause, Cause::Placement);
-    assert!(matches!(fault.kind, FaultKind::Overlap { fraction, .. } if (fraction - 1.5).abs() < 1e-12));
+    assert!(
+        matches!(fault.kind, FaultKind::Overlap { fraction, .. } if (fraction - 1.5).abs() < 1e-12)
+    );
 }
 
 #[test]

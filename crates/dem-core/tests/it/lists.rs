@@ -88,7 +88,9 @@ fn a_periodic_axis_joins_both_ends() {
                 let z = -0.045 + 4.6e-3 * f64::from(k) + shift;
                 let z = (z + 0.05).rem_euclid(0.1) - 0.05;
                 let v = DVec3::Z * (random.next() - 0.5) * 0.5;
-                b.sphere(Sphere::at(DVec3::new(1e-4 * random.next(), 0.0, z), 2e-3, m).with_velocity(v))
+                b.sphere(
+                    Sphere::at(DVec3::new(1e-4 * random.next(), 0.0, z), 2e-3, m).with_velocity(v),
+                )
             })
             .collect();
         let mut w = b.build().unwrap();

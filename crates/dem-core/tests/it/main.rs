@@ -4,10 +4,12 @@ mod allocation;
 mod clumps;
 mod conservation;
 mod determinism;
+mod extension;
 mod faults;
 mod integrators;
 mod lists;
 #[cfg(feature = "mesh")]
 mod meshes;
+mod observers;
 mod scenes;
 mod walls;

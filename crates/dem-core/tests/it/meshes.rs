@@ -16,9 +16,8 @@ fn builder(friction: f64, restitution: f64) -> (WorldBuilder<Model>, MaterialId)
 /// A square in the plane z = 0, `n` by `n` cells of two triangles.
 fn square(n: u32, half: f64) -> Mesh {
     let at = |k: u32| -half + 2.0 * half * f64::from(k) / f64::from(n);
-    let vertices: Vec<DVec3> = (0..=n)
-        .flat_map(|i| (0..=n).map(move |j| DVec3::new(at(i), at(j), 0.0)))
-        .collect();
+    let vertices: Vec<DVec3> =
+        (0..=n).flat_map(|i| (0..=n).map(move |j| DVec3::new(at(i), at(j), 0.0))).collect();
     let number = |i: u32, j: u32| i * (n + 1) + j;
     let facets: Vec<[u32; 3]> = (0..n)
         .flat_map(|i| (0..n).map(move |j| (i, j)))
@@ -88,7 +87,14 @@ fn a_corner_of_two_faces_holds_a_sphere_by_both() {
     let half = DVec3::new(0.05, 0.05, 0.05);
     let v = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * half;
     // A valley along x: two faces at 45 degrees.
-    let vertices = [v(-1., 0., 0.), v(1., 0., 0.), v(-1., 1., 1.), v(1., 1., 1.), v(-1., -1., 1.), v(1., -1., 1.)];
+    let vertices = [
+        v(-1., 0., 0.),
+        v(1., 0., 0.),
+        v(-1., 1., 1.),
+        v(1., 1., 1.),
+        v(-1., -1., 1.),
+        v(1., -1., 1.),
+    ];
     let mesh = Mesh::new(&vertices, &[[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5]]).unwrap();
     let wall = b.wall(Wall::mesh(mesh, m));
     b.gravity(DVec3::NEG_Z * 9.81);

@@ -64,7 +64,8 @@ fn a_turning_end_plate_takes_its_particles_along() {
     let weight = w.mass(id) * 9.81;
     assert!((w.acceleration(id).y / (0.5 * 9.81) - 1.0).abs() < 0.2, "{}", w.acceleration(id));
     // The plate feels the opposite, at the radius of the contact.
-    let expected = -load.force.x * 0.0 + w.position(id).x * load.force.y - w.position(id).y * load.force.x;
+    let expected =
+        -load.force.x * 0.0 + w.position(id).x * load.force.y - w.position(id).y * load.force.x;
     assert!((load.torque.z - expected).abs() < 1e-12);
     w.run(4000).unwrap();
     // Then it rolls on the turning plate; the plate carries its weight.
