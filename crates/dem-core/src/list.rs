@@ -120,7 +120,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         let turn = self.turn_since_list(self.time());
         // The wall list reaches a skin far; half of it is left to the spheres.
-        !(self.wall_shift(&turn) <= 0.5 * self.make.skin)
+        let shift = self.wall_shift(&turn);
+        shift.is_nan() || shift > 0.5 * self.make.skin
     }
 
     /// Largest shift of any wall surface since the list was made, as seen in a turning frame, m.

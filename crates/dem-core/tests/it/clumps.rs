@@ -84,7 +84,7 @@ fn dzhanibekov_flips_come_at_the_period_of_the_elliptic_integral() {
     let (e, m2) = (0.5 * l.dot(w0), l.length_squared());
     // Two cases by the sign of M^2 - 2 E I2; here it is negative: exchange 1 and 3.
     assert!(m2 < 2.0 * e * i2);
-    let p = ((i1 - i2) * (2.0 * e * i3 - m2) / (i1 * i2 * i3) * -1.0).sqrt();
+    let p = ((i2 - i1) * (2.0 * e * i3 - m2) / (i1 * i2 * i3)).sqrt();
     let k2 = (i2 - i3) * (2.0 * e * i1 - m2) / ((i2 - i1) * (2.0 * e * i3 - m2));
     let period = 4.0 * complete_elliptic(k2) / p;
     let mut q = DQuat::IDENTITY;

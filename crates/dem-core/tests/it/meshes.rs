@@ -8,7 +8,8 @@ use crate::scenes::{Model, bead_material, model};
 fn builder(friction: f64, restitution: f64) -> (WorldBuilder<Model>, MaterialId) {
     let mut b = WorldBuilder::new(5e-6);
     let m = b.material(bead_material());
-    b.pair_law(m, m, model(friction, restitution, 0.01));
+    // No constant rolling torque: it chatters at spins of rounding size, and so would differ.
+    b.pair_law(m, m, model(friction, restitution, 0.0));
     b.domain(DVec3::splat(-0.2), DVec3::splat(0.2));
     (b, m)
 }
