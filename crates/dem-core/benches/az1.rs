@@ -84,7 +84,10 @@ fn main() {
     let (builds, start, cpu) = (world.list_builds(), Instant::now(), cpu_seconds());
     world.run(steps).expect("turning");
     let (time, cpu) = (start.elapsed().as_secs_f64(), cpu_seconds() - cpu);
-    println!("processor time of this thread: {:.1} ns a particle-step", cpu * 1e9 / (steps * world.len() as u64) as f64);
+    println!(
+        "processor time of this thread: {:.1} ns a particle-step",
+        cpu * 1e9 / (steps * world.len() as u64) as f64
+    );
     let n = world.len() as f64;
     println!(
         "{} particles, {threads} threads: {:.1} ns a particle-step; {:.2} list pairs, {:.2} contacts a particle, list every {:.1} steps; torque {:.4} N m",
