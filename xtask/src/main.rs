@@ -1,7 +1,8 @@
-//! House tasks: `ci`, `tidy`, `reproduce`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `dosta`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod ci;
+mod dosta;
 mod reproduce;
 mod tidy;
 
@@ -27,6 +28,13 @@ enum Task {
         #[arg(long)]
         json: bool,
     },
+    /// The soft drum of Dosta et al. 2024 from a start file, in Tumble or LIGGGHTS.
+    Dosta(dosta::Options),
+}
+
+/// Root of the workspace.
+fn root() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 fn main() -> anyhow::Result<()> {
@@ -34,5 +42,6 @@ fn main() -> anyhow::Result<()> {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
         Task::Reproduce { json } => reproduce::run(json),
+        Task::Dosta(options) => dosta::run(&options),
     }
 }
