@@ -1,10 +1,11 @@
-//! House tasks: `ci`, `tidy`, `reproduce`, `dosta`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod ci;
 mod dosta;
 mod reproduce;
 mod tidy;
+mod validate;
 
 use clap::{Parser, Subcommand};
 
@@ -28,6 +29,12 @@ enum Task {
         #[arg(long)]
         json: bool,
     },
+    /// Every case that dem-core must reproduce: docs/validation.md and its plots.
+    Validate {
+        /// Print the checks as JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// The soft drum of Dosta et al. 2024 from a start file, in Tumble or LIGGGHTS.
     Dosta(dosta::Options),
 }
@@ -42,6 +49,7 @@ fn main() -> anyhow::Result<()> {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
         Task::Reproduce { json } => reproduce::run(json),
+        Task::Validate { json } => validate::run(json),
         Task::Dosta(options) => dosta::run(&options),
     }
 }

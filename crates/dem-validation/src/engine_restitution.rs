@@ -1,6 +1,7 @@
 //! Restitution in the engine: what was asked, on every shape of wall and between spheres, and what
 //! few steps a contact make of it.
 
+use dem_core::contact::elasticity::{ElasticPair, Elasticity};
 use dem_core::contact::normal::hertz::ElasticImpact;
 use dem_core::impact::RateAt;
 use dem_core::prelude::*;
@@ -106,6 +107,59 @@ fn at_steps(e: f64, steps: f64) -> Result<f64, Error> {
     Ok(sum / 50.0)
 }
 
+/// Duration of an elastic contact between unlike moduli, sphere on sphere and sphere on wall.
+fn mixed_moduli(checks: &mut Vec<Check>) -> Result<(), Error> {
+    const HELD: Held = Held {
+        tolerance: 5e-3,
+        reason: "relative; some 500 steps a contact, each end known to one of them",
+        source: "Hertz's elastic impact with 1/E* = sum of (1 - nu^2)/E (lammps#4141)",
+    };
+    let materials = [1e8, 1e9].map(|youngs_modulus| Material {
+        youngs_modulus,
+        poisson_ratio: 0.25,
+        density: 2500.0,
+    });
+    let [soft, stiff] = materials
+        .map(|m| Elasticity { young_modulus: m.youngs_modulus, poisson_ratio: m.poisson_ratio });
+    let e_star = ElasticPair::new(&soft, &stiff).e_star;
+    let law = ContactModel {
+        normal: HertzTailCut { e_star, damping: 0.0 },
+        tangential: Frictionless,
+        rolling: FreeRolling,
+        cohesion: Cohesionless,
+    };
+    for wall in [false, true] {
+        let (r_star, m_star) = if wall { (R, mass()) } else { (0.5 * R, 0.5 * mass()) };
+        let duration = ElasticImpact::new(e_star, r_star, m_star, SPEED).duration;
+        let mut b = WorldBuilder::new(duration / 500.0);
+        b.allow_large_time_step().domain(DVec3::splat(-0.1), DVec3::splat(0.1));
+        let [m, partner] = materials.map(|m| b.material(m));
+        b.pair_law(m, m, law).pair_law(m, partner, law).pair_law(partner, partner, law);
+        b.sphere(Sphere::at(DVec3::X * -(R + 1e-6), R, m).with_velocity(DVec3::X * SPEED));
+        let plane = wall.then(|| b.wall(Wall::plane(DVec3::ZERO, DVec3::NEG_X, partner)));
+        if !wall {
+            b.sphere(Sphere::at(DVec3::X * R, R, partner));
+        }
+        let mut w = b.build()?;
+        let mut steps = 0;
+        for _ in 0..700 {
+            w.run(1)?;
+            let touching = match plane {
+                Some(plane) => w.wall_load(plane)?.contacts > 0,
+                None => w.contact_count() > 0,
+            };
+            steps += usize::from(touching);
+        }
+        checks.push(HELD.relative(
+            format!("0.1 GPa on 1 GPa, {}", if wall { "wall" } else { "sphere" }),
+            "duration of the contact, s",
+            duration,
+            steps as f64 * w.time_step(),
+        ));
+    }
+    Ok(())
+}
+
 /// All checks of this group.
 pub fn cases() -> Vec<Check> {
     const ASKED: Held = Held {
@@ -142,6 +196,9 @@ pub fn cases() -> Vec<Check> {
                 at_steps(e, steps).unwrap_or(f64::NAN),
             ));
         }
+    }
+    if mixed_moduli(&mut checks).is_err() {
+        checks.push(ASKED.fact("unlike moduli", "the case runs", true, false));
     }
     checks
 }
