@@ -20,6 +20,7 @@ use crate::neighbour::Period;
 use crate::noncontact::NonContactForce;
 use crate::particles::{ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
+use crate::simd::Level;
 use crate::threads::Team;
 use crate::timestep::{hertz_time, rayleigh_time};
 use crate::world::{Make, SPHERE, Scratch, State, World};
@@ -37,6 +38,18 @@ pub enum Axis {
     Y,
     /// Third coordinate.
     Z,
+}
+
+/// Instructions that the contact kernels may use. The choice changes no bit of the result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kernels {
+    /// The widest that the processor has.
+    #[default]
+    Fastest,
+    /// At most AVX2.
+    Avx2,
+    /// None but those that every processor has.
+    Portable,
 }
 
 #[derive(Debug, Clone)]
@@ -82,6 +95,7 @@ pub struct WorldBuilder<M> {
     bodies: Vec<Body>,
     skin: Option<f64>,
     threads: usize,
+    kernels: Kernels,
     overlap_limit: f64,
     time_step_fraction: Option<f64>,
     impact_speed: Option<f64>,
@@ -105,6 +119,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             bodies: Vec::new(),
             skin: None,
             threads: 1,
+            kernels: Kernels::Fastest,
             overlap_limit: 0.5,
             time_step_fraction: Some(1.0),
             impact_speed: None,
@@ -196,7 +211,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         ParticleId((self.bodies.len() - 1) as u32)
     }
 
-    /// Gap up to which the neighbour list holds pairs, m; by default a quarter of the mean radius.
+    /// Gap up to which the neighbour list holds pairs, m; by default 0.4 of the mean radius.
     pub fn skin(&mut self, skin: f64) -> &mut Self {
         self.skin = Some(skin);
         self
@@ -205,6 +220,12 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
     /// Number of threads (1 by default). It changes no bit of the result.
     pub fn threads(&mut self, threads: usize) -> &mut Self {
         self.threads = threads;
+        self
+    }
+
+    /// Instructions that the kernels may use (the widest by default).
+    pub fn kernels(&mut self, kernels: Kernels) -> &mut Self {
+        self.kernels = kernels;
         self
     }
 
@@ -278,7 +299,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             return Err(Error::SizeRatio { ratio: largest / smallest, limit: LARGEST_SIZE_RATIO });
         }
         let count = radii().count().max(1);
-        let skin = self.skin.unwrap_or(0.25 * radii().sum::<f64>() / count as f64);
+        let skin = self.skin.unwrap_or(0.4 * radii().sum::<f64>() / count as f64);
         if !state.bodies.id.is_empty() {
             positive("skin (m)", skin)?;
         }
@@ -302,6 +323,24 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 return Err(Error::PeriodTooShort { length: p.length, least });
             }
         }
+        let level = match (self.kernels, Level::detect()) {
+            (Kernels::Portable, _) | (_, Level::Portable) => Level::Portable,
+            (Kernels::Avx2, _) => Level::Avx2,
+            (Kernels::Fastest, level) => level,
+        };
+        let known = level != Level::Portable && neck == 0.0 && self.gap_forces.is_empty();
+        let fast = if known { crate::simd::constants(&laws) } else { None };
+        let first_material = state.bodies.mean_spin.first().map(|s| s.w);
+        let one_material =
+            first_material.filter(|m| state.bodies.mean_spin.iter().all(|s| s.w == *m));
+        let alike = |records: &[Record]| {
+            let first = records.first().map(|r| r.w);
+            first.filter(|w| records.iter().all(|r| r.w == *w))
+        };
+        let one_size = match (alike(&state.bodies.position), alike(&state.bodies.velocity)) {
+            (Some(radius), Some(mass)) if self.shapes.is_empty() => Some([radius, mass]),
+            _ => None,
+        };
         let mut state = state;
         state.walls = walls
             .iter()
@@ -327,6 +366,10 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 range,
                 gap_forces: self.gap_forces.clone(),
                 slots: slots.max(1),
+                level,
+                fast,
+                one_material: one_material.map(|m| m as usize),
+                one_size,
                 overlap_limit: self.overlap_limit,
                 turning_wall,
             },

@@ -273,12 +273,12 @@ impl<M: ContactLaw> Contacts<'_, M> {
         if overlap > self.overlap_limit * pi.w.min(pj.w) {
             into.note_overlap(overlap / pi.w.min(pj.w), a, b, false);
         }
-        let n = d / distance;
+        let n = d * (1.0 / distance);
         let (lever_i, lever_j) = (pi.w - 0.5 * overlap, pj.w - 0.5 * overlap);
         let (wi, wj) = (wi.vector(), wj.vector());
         let approach = vi.vector() - vj.vector();
         // Slip is that of the middle of the step, and so are its levers.
-        let back = 0.25 * self.dt * approach.dot(n);
+        let back = (0.25 * self.dt) * approach.dot(n);
         let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
         let end = s.end_velocity[i].vector() - s.end_velocity[j].vector();
         let motion = Kinematics {

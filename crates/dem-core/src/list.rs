@@ -20,7 +20,7 @@ use crate::world::{SPHERE, World};
 const BUILDS_PER_SORT: u64 = 16;
 
 /// Share of the skin up to which a gap counts as touching when the list is made.
-const TOUCHING_MARGIN: f64 = 0.1;
+const TOUCHING_MARGIN: f64 = 0.02;
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Make the list anew.
@@ -44,7 +44,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         std::mem::swap(&mut state.pairs, &mut s.old_pairs);
         std::mem::swap(&mut state.wall_list, &mut s.old_walls);
         let old_place = sorted.then_some(&s.old_sphere_place[..]);
-        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place);
+        let want_ends = self.team.threads() > 1;
+        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place, want_ends);
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         state.list.reference.clone_from(&state.bodies.position);

@@ -82,6 +82,18 @@ impl Record {
         self.z = v.z;
     }
 
+    /// Sum of all four fields: one vector addition.
+    #[inline(always)]
+    pub(crate) fn plus(self, o: &Self) -> Self {
+        Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z, w: self.w + o.w }
+    }
+
+    /// Difference of all four fields.
+    #[inline(always)]
+    pub(crate) fn minus(self, o: &Self) -> Self {
+        Self { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z, w: self.w - o.w }
+    }
+
     #[inline(always)]
     pub(crate) fn add(&mut self, v: DVec3) {
         self.x += v.x;

@@ -1,7 +1,7 @@
 //! What most programs need: `use dem_core::prelude::*`.
 
 pub use crate::body_force::{Drag, Gravity};
-pub use crate::builder::{Axis, WorldBuilder};
+pub use crate::builder::{Axis, Kernels, WorldBuilder};
 pub use crate::contact::cohesion::Cohesionless;
 pub use crate::contact::friction::{Friction, FrictionSpec};
 pub use crate::contact::model::{ContactLaw, ContactModel};

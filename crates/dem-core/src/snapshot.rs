@@ -62,12 +62,15 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// The present state as a value.
     pub fn snapshot(&self) -> Snapshot {
+        let mut state = self.state.clone();
+        // Made anew for the threads of the world that takes it back.
+        state.pairs.forget_ends();
         Snapshot {
             make: self.fingerprint(),
             gravity: self.make.gravity,
             drag: self.make.drag,
             ledger_wanted: self.ledger_wanted,
-            state: self.state.clone(),
+            state,
             wrenches: self.scratch.wrenches.clone(),
         }
     }
@@ -94,6 +97,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         self.state.clone_from(&snapshot.state);
+        if self.team.threads() > 1 {
+            self.state.pairs.list_ends();
+        }
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;
@@ -232,14 +238,7 @@ impl Snapshot {
         for x in [&mut p.slots, &mut p.touching, &mut p.near_begin] {
             v.visit(x);
         }
-        for x in [
-            &mut p.first,
-            &mut p.second,
-            &mut p.touching_start,
-            &mut p.near_start,
-            &mut p.second_start,
-            &mut p.second_of,
-        ] {
+        for x in [&mut p.first, &mut p.second, &mut p.touching_start, &mut p.near_start] {
             v.visit(x);
         }
         v.visit(&mut p.active);
@@ -289,8 +288,6 @@ impl Snapshot {
             &mut w.wall_force,
             &mut w.wall_torque,
             &mut w.wall_torque_on_wall,
-            &mut w.late_force,
-            &mut w.late_torque,
         ] {
             v.visit(x);
         }

@@ -3,17 +3,15 @@
 use glam::DVec3;
 
 use crate::contact::model::ContactLaw;
+use crate::contact_stage::{Collect, near_pairs, sum_all, sum_late, touching_pairs, wall_contacts};
 use crate::error::Error;
-use crate::forces::MemoryRun;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
-use crate::neighbour::verlet_list::LANES;
-use crate::neighbour::verlet_list::PairList;
-use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::rigid::FreeRotation;
+use crate::simd::widened;
 use crate::threads::for_each_chunk;
-use crate::world::{BodyYield, Make, Members, SPHERE, Scratch, World, Wrenches, sphere_view};
+use crate::world::{BodyYield, Members, SPHERE, World, sphere_view};
 
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
 pub(crate) const CHUNK: usize = 512;
@@ -85,7 +83,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// First half of the step; returns whether the list may miss a pair now.
     fn drift(&mut self) -> bool {
         let threads = self.team.threads();
-        let (dt, integrator) = (self.make.dt, self.integrator);
+        let (dt, integrator, level) = (self.make.dt, self.integrator, self.make.level);
         let limit = (0.5 * self.make.skin).powi(2);
         let frame = self.turn_since_list((self.state.step + 1) as f64 * dt);
         let b = &mut self.state.bodies;
@@ -105,29 +103,31 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         result in chunks, 1
         => {
             let begin = c * CHUNK;
-            let mut moved_far = false;
-            for k in 0..position.len() {
-                let g = begin + k;
-                let mut memory = linear[k].vector();
-                let d = integrator.drift(
-                    velocity[g].vector(), acceleration[g].vector(), &mut memory, dt);
-                linear[k].set(memory);
-                position[k].add(d.displacement);
-                mean_velocity[k].set(d.displacement / dt);
-                end_velocity[k].set(d.end_velocity);
-                // A clump has no single moment of inertia: it turns elsewhere.
-                if spin[g].w > 0.0 {
-                    let mut memory = turn[k].vector();
-                    let d = integrator.drift(
-                        spin[g].vector(), angular[g].vector(), &mut memory, dt);
-                    turn[k].set(memory);
-                    mean_spin[k].set(d.displacement / dt);
+            result[0].moved_far = widened(level, #[inline(always)] || {
+                let mut moved_far = false;
+                for k in 0..position.len() {
+                    let g = begin + k;
+                    let mut memory = recall::<I>(&linear[k]);
+                    let (v, a) = (velocity[g].vector(), acceleration[g].vector());
+                    let d = integrator.drift(v, a, &mut memory, dt);
+                    remember::<I>(&mut linear[k], memory);
+                    position[k].add(d.mean_velocity * dt);
+                    mean_velocity[k].set(d.mean_velocity);
+                    end_velocity[k].set(d.end_velocity);
+                    // A clump has no single moment of inertia: it turns elsewhere.
+                    if spin[g].w > 0.0 {
+                        let mut memory = recall::<I>(&turn[k]);
+                        let (w, a) = (spin[g].vector(), angular[g].vector());
+                        let d = integrator.drift(w, a, &mut memory, dt);
+                        remember::<I>(&mut turn[k], memory);
+                        mean_spin[k].set(d.mean_velocity);
+                    }
+                    let moved = position[k].vector() - frame.image(reference[g].vector());
+                    let moved = moved.length_squared();
+                    moved_far |= moved > limit || moved.is_nan();
                 }
-                let moved = position[k].vector() - frame.image(reference[g].vector());
-                // Written so that a position that is not a number counts as moved.
-                moved_far |= !(moved.length_squared() <= limit);
-            }
-            result[0].moved_far = moved_far;
+                moved_far
+            });
         });
         if self.has_clumps() {
             self.turn_clumps();
@@ -235,10 +235,26 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 ledger,
             }
         };
-        touching_pairs(&context, threads, &mut pairs, &mut s);
-        near_pairs(&context, threads, &mut pairs, &mut s);
+        let fast = if ledger { None } else { self.make.fast.as_deref() };
+        let only = self.make.one_material.map(|m| m * self.make.materials.len() + m);
+        let level = self.make.level;
+        let vector = fast.map(|all| crate::simd::PairKernel {
+            spheres: context.spheres,
+            constants: only.map_or(all, |k| &all[k..=k]),
+            materials: context.materials,
+            one_size: self.make.one_size,
+            period: context.period,
+            dt,
+            overlap_limit: context.overlap_limit,
+        });
+        let vector = vector.as_ref().map(|kernel| (level, kernel));
+        touching_pairs(&context, vector, threads, &mut pairs, &mut s);
+        near_pairs(&context, vector, threads, &mut pairs, &mut s);
         wall_contacts(&context, &self.make, threads, &mut walls, &mut s);
-        scatter_late(&mut s, context.spheres.position.len());
+        sum_late(&mut s, context.spheres.position.len());
+        if threads == 1 {
+            sum_all(&pairs, &walls, &mut s);
+        }
         s.placed = placed;
         self.scratch = s;
         self.state.pairs = pairs;
@@ -248,7 +264,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Collect forces and bring the velocities to the end of the step (`dt` 0: forces only).
     fn kick(&mut self, dt: f64) {
         let threads = self.team.threads();
-        let integrator = self.integrator;
+        let (integrator, level) = (self.integrator, self.make.level);
         let ledger = self.ledger_wanted;
         let gravity = self.make.gravity.at(self.time());
         let gravity_rate = self.gravity_rate();
@@ -257,7 +273,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let clumps = !shapes.is_empty();
         let mut chunks = std::mem::take(&mut self.scratch.body_yield);
         let (pairs, walls) = (&self.state.pairs, &self.state.wall_list);
-        let collect = Collect { pairs, walls, w: &self.scratch.wrenches };
+        let collect = Collect {
+            pairs,
+            walls,
+            w: &self.scratch.wrenches,
+            sum_force: &self.scratch.sum_force,
+            sum_torque: &self.scratch.sum_torque,
+            complete: threads == 1,
+        };
         let m: &Members = &self.state.members;
         let b = &mut self.state.bodies;
         let (end_velocity, position) = (&b.end_velocity, &b.position);
@@ -272,6 +295,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         result in chunks, 1
         => {
             let mut flow = crate::energy::Flow::default();
+            widened(level, #[inline(always)] || {
             for k in 0..velocity.len() {
                 let g = c * CHUNK + k;
                 let (mut force, torque) = if clumps {
@@ -289,26 +313,26 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 if ledger {
                     flow.gravity_turn -= mass * gravity_rate.dot(position[g].vector());
                 }
-                let new = force / mass + gravity;
+                let new = force * (1.0 / mass) + gravity;
                 let old = acceleration[k].vector();
                 acceleration[k].set(new);
                 let moment = spin[k].w;
                 let old_turn = angular[k].vector();
-                let new_turn = if moment > 0.0 { torque / moment } else { torque };
+                let new_turn = if moment > 0.0 { torque * (1.0 / moment) } else { torque };
                 angular[k].set(new_turn);
                 if dt == 0.0 {
                     continue;
                 }
-                let mut memory = linear[k].vector();
+                let mut memory = recall::<I>(&linear[k]);
                 let v = integrator.kick(velocity[k].vector(), old, new, &mut memory, dt);
                 velocity[k].set(v);
-                linear[k].set(memory);
+                remember::<I>(&mut linear[k], memory);
                 if moment > 0.0 {
-                    let mut memory = turn[k].vector();
+                    let mut memory = recall::<I>(&turn[k]);
                     let w = integrator.kick(
                         spin[k].vector(), old_turn, new_turn, &mut memory, dt);
                     spin[k].set(w);
-                    turn[k].set(memory);
+                    remember::<I>(&mut turn[k], memory);
                 } else {
                     let momentum = turn[k].vector() + torque * (0.5 * dt);
                     turn[k].set(momentum);
@@ -316,6 +340,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     spin[k].set(spin_of(momentum, m.attitude[g], moments));
                 }
             }
+            });
             result[0].flow = flow;
         });
         self.scratch.body_yield = chunks;
@@ -342,203 +367,21 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
+/// What the integrator remembers, if it does.
+#[inline(always)]
+fn recall<I: Integrator>(record: &Record) -> DVec3 {
+    if I::REMEMBERS { record.vector() } else { DVec3::ZERO }
+}
+
+/// Keep what the integrator remembers, if it does.
+#[inline(always)]
+fn remember<I: Integrator>(record: &mut Record, memory: DVec3) {
+    if I::REMEMBERS {
+        record.set(memory);
+    }
+}
+
 /// Angular velocity in the laboratory of a body with this angular momentum.
 fn spin_of(momentum: DVec3, attitude: glam::DQuat, moments: DVec3) -> DVec3 {
     attitude * ((attitude.conjugate() * momentum) / moments)
-}
-
-fn touching_pairs<M: ContactLaw>(
-    context: &crate::forces::Contacts<'_, M>,
-    threads: usize,
-    pairs: &mut PairList,
-    s: &mut Scratch,
-) {
-    let n = pairs.touching;
-    for v in [
-        &mut s.wrenches.pair_force,
-        &mut s.wrenches.pair_torque_first,
-        &mut s.wrenches.pair_torque_second,
-    ] {
-        v.resize(n, Record::default());
-    }
-    s.pair_yield.resize_with(n.div_ceil(CHUNK), Default::default);
-    let slots = pairs.slots;
-    let (first, second) = (&pairs.first, &pairs.second);
-    for_each_chunk!(threads, |c|
-    active in pairs.active[..n], CHUNK;
-    numbers in pairs.memory, CHUNK * slots;
-    force in s.wrenches.pair_force, CHUNK;
-    torque_first in s.wrenches.pair_torque_first, CHUNK;
-    torque_second in s.wrenches.pair_torque_second, CHUNK;
-    result in s.pair_yield, 1
-    => {
-        let into = &mut result[0];
-        into.reset();
-        let mut memory = MemoryRun { slots, numbers };
-        for k in 0..active.len() {
-            let p = c * CHUNK + k;
-            let wrench = context
-                .pair(first[p], second[p], k, &mut active[k], &mut memory, into)
-                .unwrap_or_default();
-            force[k].set(wrench.force);
-            torque_first[k].set(wrench.torque_on_first);
-            torque_second[k].set(wrench.torque_on_second);
-        }
-    });
-}
-
-fn near_pairs<M: ContactLaw>(
-    context: &crate::forces::Contacts<'_, M>,
-    threads: usize,
-    pairs: &mut PairList,
-    s: &mut Scratch,
-) {
-    let (begin, slots) = (pairs.near_begin, pairs.slots);
-    let n = pairs.near().len();
-    s.near_yield.resize_with(n.div_ceil(CHUNK), Default::default);
-    let (first, second) = (&pairs.first[begin..], &pairs.second[begin..]);
-    debug_assert_eq!(begin % LANES, 0);
-    let numbers = &mut pairs.memory[begin * slots..];
-    for_each_chunk!(threads, |c|
-    active in pairs.active[begin..], CHUNK;
-    numbers in numbers, CHUNK * slots;
-    result in s.near_yield, 1
-    => {
-        let into = &mut result[0];
-        into.reset();
-        let mut memory = MemoryRun { slots, numbers };
-        for k in 0..active.len() {
-            let p = c * CHUNK + k;
-            let (a, b) = (first[p], second[p]);
-            let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into);
-            if let Some(wrench) = wrench {
-                into.late.push(crate::forces::Late { first: a, second: b, wrench });
-            }
-        }
-    });
-}
-
-fn wall_contacts<M: ContactLaw>(
-    context: &crate::forces::Contacts<'_, M>,
-    make: &Make<M>,
-    threads: usize,
-    walls: &mut WallList,
-    s: &mut Scratch,
-) {
-    let (n, slots) = (walls.len(), walls.slots);
-    for v in [
-        &mut s.wrenches.wall_force,
-        &mut s.wrenches.wall_torque,
-        &mut s.wrenches.wall_torque_on_wall,
-    ] {
-        v.resize(n, Record::default());
-    }
-    s.wall_yield.resize_with(n.div_ceil(CHUNK), Default::default);
-    #[cfg(feature = "mesh")]
-    if walls.facets.is_empty() {
-        s.mesh_nearest.clear();
-    } else {
-        let position = context.spheres.position;
-        let nearest = &mut s.mesh_nearest;
-        crate::mesh_contacts::assign(
-            &make.walls,
-            context.walls,
-            position,
-            make.range,
-            walls,
-            nearest,
-        );
-    }
-    #[cfg(not(feature = "mesh"))]
-    let _ = make;
-    let mesh_nearest = &s.mesh_nearest;
-    let (sphere, wall) = (&walls.sphere, &walls.wall);
-    for_each_chunk!(threads, |c|
-    active in walls.active, CHUNK;
-    numbers in walls.memory, CHUNK * slots;
-    force in s.wrenches.wall_force, CHUNK;
-    torque in s.wrenches.wall_torque, CHUNK;
-    on_wall in s.wrenches.wall_torque_on_wall, CHUNK;
-    result in s.wall_yield, 1
-    => {
-        let into = &mut result[0];
-        into.reset();
-        let mut memory = MemoryRun { slots, numbers };
-        for k in 0..active.len() {
-            let e = c * CHUNK + k;
-            let (a, w) = (sphere[e], wall[e]);
-            let x = context.spheres.position[a as usize].vector();
-            let analytic = context.walls[w as usize].nearest(x);
-            let nearest = analytic.or_else(|| mesh_nearest.get(e).copied().flatten());
-            let wrench = nearest
-                .and_then(|n| context.wall(a, w, &n, k, &mut active[k], &mut memory, into))
-                .unwrap_or_default();
-            force[k].set(wrench.force);
-            torque[k].set(wrench.torque_on_first);
-            on_wall[k].set(wrench.torque_on_second);
-        }
-    });
-}
-
-/// Add the wrenches of near pairs to their spheres, in the order of the list.
-fn scatter_late(s: &mut Scratch, spheres: usize) {
-    for v in [&mut s.wrenches.late_force, &mut s.wrenches.late_torque] {
-        v.resize(spheres, Record::default());
-    }
-    let w = &mut s.wrenches;
-    for late in w.late.drain(..) {
-        for k in [late.first as usize, late.second as usize] {
-            w.late_force[k] = Record::default();
-            w.late_torque[k] = Record::default();
-        }
-    }
-    for late in s.near_yield.iter().flat_map(|chunk| &chunk.late) {
-        let (a, b) = (late.first as usize, late.second as usize);
-        w.late_force[a].add(late.wrench.force);
-        w.late_torque[a].add(late.wrench.torque_on_first);
-        w.late_force[b].add(-late.wrench.force);
-        w.late_torque[b].add(late.wrench.torque_on_second);
-        w.late.push(*late);
-    }
-}
-
-/// Where a sphere finds the wrenches that act on it.
-struct Collect<'a> {
-    pairs: &'a PairList,
-    walls: &'a WallList,
-    w: &'a Wrenches,
-}
-
-impl Collect<'_> {
-    /// Force and torque on a sphere, always summed in the same order.
-    #[inline(always)]
-    fn sphere(&self, k: usize) -> (DVec3, DVec3) {
-        let (p, w) = (self.pairs, self.w);
-        let mut force = w.late_force[k].vector();
-        let mut torque = w.late_torque[k].vector();
-        for pair in p.touching_start[k] as usize..p.touching_start[k + 1] as usize {
-            force += w.pair_force[pair].vector();
-            torque += w.pair_torque_first[pair].vector();
-        }
-        for &pair in &p.second_of[p.second_start[k] as usize..p.second_start[k + 1] as usize] {
-            force -= w.pair_force[pair as usize].vector();
-            torque += w.pair_torque_second[pair as usize].vector();
-        }
-        for entry in self.walls.start[k] as usize..self.walls.start[k + 1] as usize {
-            force += w.wall_force[entry].vector();
-            torque += w.wall_torque[entry].vector();
-        }
-        (force, torque)
-    }
-
-    /// Force and torque about the centre of a body of several spheres.
-    fn body(&self, m: &Members, k: usize) -> (DVec3, DVec3) {
-        let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
-        for sphere in m.first[k] as usize..m.first[k + 1] as usize {
-            let (f, t) = self.sphere(sphere);
-            force += f;
-            torque += t + m.arm[sphere].vector().cross(f);
-        }
-        (force, torque)
-    }
 }

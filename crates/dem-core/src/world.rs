@@ -103,6 +103,14 @@ pub(crate) struct Make<M> {
     pub(crate) gap_forces: Vec<Arc<dyn GapForce>>,
     /// Numbers stored a contact: at least one, so that every run of contacts has chunks.
     pub(crate) slots: usize,
+    /// Instructions that the kernels use.
+    pub(crate) level: crate::simd::Level,
+    /// Constants of all laws, if the vector kernel knows them.
+    pub(crate) fast: Option<Vec<crate::simd::Constants>>,
+    /// Material of all particles, if they have but one.
+    pub(crate) one_material: Option<usize>,
+    /// Radius and mass of all particles, if they are spheres alike.
+    pub(crate) one_size: Option<[f64; 2]>,
     pub(crate) overlap_limit: f64,
     /// Wall whose turn displacements may be measured against.
     pub(crate) turning_wall: Option<usize>,
@@ -119,9 +127,6 @@ pub(crate) struct Wrenches {
     pub(crate) wall_torque: Vec<Record>,
     /// Torque on the wall about the centre of the sphere.
     pub(crate) wall_torque_on_wall: Vec<Record>,
-    /// Force and torque on spheres from near pairs.
-    pub(crate) late_force: Vec<Record>,
-    pub(crate) late_torque: Vec<Record>,
     /// Near pairs in action, in the order of the list.
     pub(crate) late: Vec<Late>,
 }
@@ -144,6 +149,9 @@ pub(crate) struct Scratch {
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
     pub(crate) body_yield: Vec<BodyYield>,
+    /// Force and torque on each sphere: from near pairs, and with one thread from everything.
+    pub(crate) sum_force: Vec<Record>,
+    pub(crate) sum_torque: Vec<Record>,
     /// Nearest points of meshes, by entry of the wall list.
     pub(crate) mesh_nearest: Vec<Option<crate::geometry::Nearest>>,
 }

@@ -17,12 +17,14 @@ pub mod contact_oblique;
 pub mod contact_restitution;
 pub mod contact_rolling;
 pub mod curves;
+pub mod engine_drops;
 pub mod engine_energy;
-pub mod engine_integrators;
 pub mod engine_invariants;
+pub mod engine_order;
 pub mod engine_restitution;
 pub mod engine_rigid;
-pub mod engine_stacked;
+pub mod engine_rolling;
+mod squeezed;
 
 pub use check::{Check, Held};
 
@@ -38,7 +40,7 @@ pub struct Group {
 }
 
 /// Every group, in the order of the report.
-pub const GROUPS: [Group; 14] = [
+pub const GROUPS: [Group; 15] = [
     group("contact_hertz", "Elastic normal impact (Chung-Ooi 1, 2)", contact_hertz::cases),
     group("contact_restitution", "Restitution (Chung-Ooi 3)", contact_restitution::cases),
     group(
@@ -49,15 +51,24 @@ pub const GROUPS: [Group; 14] = [
     group("contact_linear", "Linear spring-dashpot in closed form", contact_linear::cases),
     group("contact_jkr", "JKR and DMT", contact_jkr::cases),
     group("contact_free_fall", "A dropped sphere (MFIX DEM01, DEM02)", contact_free_fall::cases),
-    group("engine_stacked", "Two stacked spheres (MFIX DEM03)", engine_stacked::cases),
+    group(
+        "engine_drops",
+        "Drops and squeezes in the engine (MFIX DEM01 to DEM03)",
+        engine_drops::cases,
+    ),
     group(
         "contact_rolling",
         "Slipping and rolling (MFIX DEM04, incline, Zhu)",
         contact_rolling::cases,
     ),
+    group(
+        "engine_rolling",
+        "Slipping and rolling in the engine (MFIX DEM04, incline, decay)",
+        engine_rolling::cases,
+    ),
     group("contact_compatibility", "Compatibility laws", contact_compatibility::cases),
     group("engine_restitution", "Restitution in the engine", engine_restitution::cases),
-    group("engine_integrators", "Order of the integrators", engine_integrators::cases),
+    group("engine_order", "Order of the integrators", engine_order::cases),
     group("engine_energy", "Energy of many steps", engine_energy::cases),
     group("engine_rigid", "Free rotation", engine_rigid::cases),
     group("engine_invariants", "Invariants of the engine", engine_invariants::cases),

@@ -15,6 +15,7 @@ pub struct Beeman;
 
 impl Integrator for Beeman {
     const ORDER: u32 = 2;
+    const REMEMBERS: bool = true;
 
     #[inline(always)]
     fn start(&self, _: DVec3, acceleration: DVec3, _: f64) -> DVec3 {
@@ -24,7 +25,7 @@ impl Integrator for Beeman {
     #[inline(always)]
     fn drift(&self, velocity: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
         Drift {
-            displacement: (velocity + (acceleration * 4.0 - *memory) * (dt / 6.0)) * dt,
+            mean_velocity: velocity + (acceleration * 4.0 - *memory) * (dt / 6.0),
             end_velocity: velocity + (acceleration * 3.0 - *memory) * (0.5 * dt),
         }
     }

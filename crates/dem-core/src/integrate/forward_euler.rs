@@ -13,6 +13,7 @@ pub struct ForwardEuler;
 
 impl Integrator for ForwardEuler {
     const ORDER: u32 = 1;
+    const REMEMBERS: bool = false;
 
     #[inline(always)]
     fn start(&self, _: DVec3, _: DVec3, _: f64) -> DVec3 {
@@ -21,7 +22,7 @@ impl Integrator for ForwardEuler {
 
     #[inline(always)]
     fn drift(&self, velocity: DVec3, acceleration: DVec3, _: &mut DVec3, dt: f64) -> Drift {
-        Drift { displacement: velocity * dt, end_velocity: velocity + acceleration * dt }
+        Drift { mean_velocity: velocity, end_velocity: velocity + acceleration * dt }
     }
 
     #[inline(always)]

@@ -14,6 +14,7 @@ pub struct Leapfrog;
 
 impl Integrator for Leapfrog {
     const ORDER: u32 = 2;
+    const REMEMBERS: bool = true;
 
     #[inline(always)]
     fn start(&self, velocity: DVec3, acceleration: DVec3, dt: f64) -> DVec3 {
@@ -23,7 +24,7 @@ impl Integrator for Leapfrog {
     #[inline(always)]
     fn drift(&self, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
         *memory += acceleration * dt;
-        Drift { displacement: *memory * dt, end_velocity: *memory + acceleration * (0.5 * dt) }
+        Drift { mean_velocity: *memory, end_velocity: *memory + acceleration * (0.5 * dt) }
     }
 
     #[inline(always)]

@@ -25,8 +25,8 @@ pub use velocity_verlet::VelocityVerlet;
 /// What the first half of a step yields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
-    /// Change of the position, m.
-    pub displacement: DVec3,
+    /// Mean velocity of the step, m/s: the displacement over the duration.
+    pub mean_velocity: DVec3,
     /// Velocity foretold for the end of the step, m/s.
     pub end_velocity: DVec3,
 }
@@ -35,6 +35,9 @@ pub struct Drift {
 pub trait Integrator: Copy + Send + Sync + 'static {
     /// Global order of convergence in position and velocity.
     const ORDER: u32;
+
+    /// Whether the scheme remembers anything from step to step.
+    const REMEMBERS: bool;
 
     /// What the scheme remembers, at the start or after the velocity was set from outside.
     fn start(&self, velocity: DVec3, acceleration: DVec3, dt: f64) -> DVec3;

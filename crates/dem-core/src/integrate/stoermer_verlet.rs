@@ -14,6 +14,7 @@ pub struct StoermerVerlet;
 
 impl Integrator for StoermerVerlet {
     const ORDER: u32 = 2;
+    const REMEMBERS: bool = true;
 
     #[inline(always)]
     fn start(&self, velocity: DVec3, acceleration: DVec3, dt: f64) -> DVec3 {
@@ -23,7 +24,8 @@ impl Integrator for StoermerVerlet {
     #[inline(always)]
     fn drift(&self, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
         *memory += acceleration * (dt * dt);
-        Drift { displacement: *memory, end_velocity: *memory / dt + acceleration * (0.5 * dt) }
+        let mean_velocity = *memory / dt;
+        Drift { mean_velocity, end_velocity: mean_velocity + acceleration * (0.5 * dt) }
     }
 
     #[inline(always)]

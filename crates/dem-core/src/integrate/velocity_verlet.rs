@@ -13,6 +13,7 @@ pub struct VelocityVerlet;
 
 impl Integrator for VelocityVerlet {
     const ORDER: u32 = 2;
+    const REMEMBERS: bool = false;
 
     #[inline(always)]
     fn start(&self, _: DVec3, _: DVec3, _: f64) -> DVec3 {
@@ -23,7 +24,7 @@ impl Integrator for VelocityVerlet {
     fn drift(&self, velocity: DVec3, acceleration: DVec3, _: &mut DVec3, dt: f64) -> Drift {
         let half_kick = acceleration * (0.5 * dt);
         let middle = velocity + half_kick;
-        Drift { displacement: middle * dt, end_velocity: middle + half_kick }
+        Drift { mean_velocity: middle, end_velocity: middle + half_kick }
     }
 
     #[inline(always)]

@@ -2,9 +2,9 @@
 //!
 //! Pairs that touch (or nearly so) when the list is made come first, then those that are merely
 //! near; both runs are sorted by their first sphere. What contacts remember is stored in blocks
-//! of eight pairs, slot by slot, so that eight pairs load as one vector. A list also holds, for
-//! every sphere, the touching pairs in which it is the *second*: so each sphere can collect its
-//! forces in a fixed order, whichever thread computed them.
+//! of eight pairs, slot by slot, so that eight pairs load as one vector. For several
+//! threads the list also holds the touching pairs of every sphere, so that each sphere can collect
+//! its forces in the order of the list, whichever thread computed them.
 
 /// Pairs in one block of remembered numbers.
 pub(crate) const LANES: usize = 8;
@@ -40,9 +40,10 @@ pub(crate) struct PairList {
     /// First touching, first near pair of each sphere.
     pub(crate) touching_start: Vec<u32>,
     pub(crate) near_start: Vec<u32>,
-    /// Touching pairs of which a sphere is the second.
-    pub(crate) second_start: Vec<u32>,
-    pub(crate) second_of: Vec<u32>,
+    /// Touching pairs of each sphere, in the order of the list: twice the pair's place, plus one
+    /// where the sphere is the second.
+    pub(crate) ends_start: Vec<u32>,
+    pub(crate) ends: Vec<u32>,
 }
 
 /// A pair found by the search.
@@ -67,6 +68,7 @@ impl PairList {
         found: &[Found],
         old: &PairList,
         old_place: Option<&[u32]>,
+        want_ends: bool,
     ) {
         self.slots = slots;
         for start in [&mut self.touching_start, &mut self.near_start] {
@@ -94,7 +96,9 @@ impl PairList {
             self.first[*place as usize] = f.first;
             self.second[*place as usize] = f.second;
         }
-        self.list_seconds(spheres);
+        if want_ends {
+            self.list_ends();
+        }
         self.active.clear();
         self.active.resize(total, 0);
         self.memory.clear();
@@ -102,20 +106,32 @@ impl PairList {
         self.take_over(spheres, old, old_place);
     }
 
-    fn list_seconds(&mut self, spheres: usize) {
-        self.second_start.clear();
-        self.second_start.resize(spheres + 1, 0);
-        for &s in &self.second[..self.touching] {
-            self.second_start[s as usize] += 1;
+    /// List the touching pairs of each sphere.
+    pub(crate) fn list_ends(&mut self) {
+        let spheres = self.touching_start.len().saturating_sub(1);
+        self.ends_start.clear();
+        self.ends_start.resize(spheres + 1, 0);
+        let pairs = || self.first[..self.touching].iter().zip(&self.second[..self.touching]);
+        for (&a, &b) in pairs() {
+            self.ends_start[a as usize] += 1;
+            self.ends_start[b as usize] += 1;
         }
-        let total = ends_from_counts(&mut self.second_start, 0);
-        self.second_of.clear();
-        self.second_of.resize(total, 0);
-        for pair in (0..self.touching).rev() {
-            let place = &mut self.second_start[self.second[pair] as usize];
-            *place -= 1;
-            self.second_of[*place as usize] = pair as u32;
+        let total = ends_from_counts(&mut self.ends_start, 0);
+        self.ends.clear();
+        self.ends.resize(total, 0);
+        for (pair, (&a, &b)) in pairs().enumerate().rev() {
+            for (sphere, role) in [(b, 1), (a, 0)] {
+                let place = &mut self.ends_start[sphere as usize];
+                *place -= 1;
+                self.ends[*place as usize] = 2 * pair as u32 + role;
+            }
         }
+    }
+
+    /// Drop what `list_ends` made.
+    pub(crate) fn forget_ends(&mut self) {
+        self.ends.clear();
+        self.ends_start.clear();
     }
 
     fn take_over(&mut self, spheres: usize, old: &PairList, old_place: Option<&[u32]>) {

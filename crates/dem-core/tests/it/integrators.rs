@@ -14,7 +14,7 @@ fn integrate<I: Integrator>(
     let mut a = force(x);
     let mut memory = scheme.start(v, a, dt);
     for _ in 0..steps {
-        x += scheme.drift(v, a, &mut memory, dt).displacement;
+        x += scheme.drift(v, a, &mut memory, dt).mean_velocity * dt;
         let new = force(x);
         v = scheme.kick(v, a, new, &mut memory, dt);
         a = new;

@@ -9,13 +9,13 @@ use crate::scenes::{Model, Random, bead_material, drum, model};
 fn a_small_skin_gives_the_trajectory_of_a_list_of_all_pairs() {
     let run = |skin: f64| {
         let mut w = drum(300, 1.5, 1).skin(skin).build().unwrap();
-        w.run(3000).unwrap();
+        w.run(2200).unwrap();
         w
     };
     let (listed, all) = (run(2e-4), run(0.2));
     assert_eq!(all.list_pairs(), 300 * 299 / 2);
     assert!(listed.list_builds() > 50 && all.list_builds() == 1);
-    assert!(listed.contact_count() > 40, "{}", listed.contact_count());
+    assert!(listed.contact_count() > 20, "{}", listed.contact_count());
     for id in listed.particles() {
         // The same contacts with the same memory: only the order of sums differs, rounding that
         // collisions amplify.

@@ -8,6 +8,7 @@ mod determinism;
 mod extension;
 mod faults;
 mod integrators;
+mod kernels;
 mod lists;
 #[cfg(feature = "mesh")]
 mod meshes;

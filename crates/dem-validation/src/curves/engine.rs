@@ -1,26 +1,22 @@
 //! The engine: orders, energies, free rotation.
 
+use dem_core::prelude::*;
+
 use super::{Axis, Curve, Plot};
-use crate::{engine_energy, engine_integrators, engine_rigid};
+use crate::{engine_energy, engine_rigid};
 
 pub(super) fn plots() -> Vec<Plot> {
     let tumbling = engine_rigid::tumbling(60.0);
     vec![
         Plot {
-            group: "engine_integrators",
+            group: "engine_order",
             file: "integrator-order",
             title: "Error of position on Kepler's circle after 1 rad",
             caption: "Leapfrog, velocity Verlet and Stoermer-Verlet trace the same path; Beeman is of \
                       order 2 as well.",
             x: Axis::logarithmic("step (rad)"),
             y: Axis::logarithmic("error of position (radii)"),
-            curves: engine_integrators::convergence()
-                .into_iter()
-                .map(|(name, points)| match name {
-                    "Beeman" | "forward Euler" | "velocity Verlet" => Curve::line(name, points),
-                    _ => Curve::points(name, points),
-                })
-                .collect(),
+            curves: convergence(),
         },
         Plot {
             group: "engine_energy",
@@ -63,5 +59,37 @@ pub(super) fn plots() -> Vec<Plot> {
                 ),
             ],
         },
+    ]
+}
+
+/// Error of position (radii) on Kepler's circle after 1 rad in `steps`.
+fn circle_error<I: Integrator>(scheme: I, steps: u32) -> f64 {
+    let force = |x: DVec3| -x / x.length().powi(3);
+    let dt = 1.0 / f64::from(steps);
+    let (mut x, mut v) = (DVec3::X, DVec3::Y);
+    let mut a = force(x);
+    let mut memory = scheme.start(v, a, dt);
+    for _ in 0..steps {
+        x += scheme.drift(v, a, &mut memory, dt).mean_velocity * dt;
+        let new = force(x);
+        v = scheme.kick(v, a, new, &mut memory, dt);
+        a = new;
+    }
+    let (sin, cos) = 1f64.sin_cos();
+    (x - DVec3::new(cos, sin, 0.0)).length()
+}
+
+/// Step (rad) and error on Kepler's circle, a row a scheme.
+fn convergence() -> Vec<Curve> {
+    fn row<I: Integrator>(scheme: I) -> Vec<(f64, f64)> {
+        let steps = (3..12).map(|k| 1u32 << k);
+        steps.map(|n| (1.0 / f64::from(n), circle_error(scheme, n))).collect()
+    }
+    vec![
+        Curve::line("forward Euler", row(ForwardEuler)),
+        Curve::line("velocity Verlet", row(VelocityVerlet)),
+        Curve::line("Beeman", row(Beeman)),
+        Curve::points("leapfrog", row(Leapfrog)),
+        Curve::points("Stoermer-Verlet", row(StoermerVerlet)),
     ]
 }

@@ -8,7 +8,7 @@ use dem_core::impact::Body;
 use super::{Axis, Curve, Plot, spread};
 use crate::contact_free_fall::{closed_height, drop};
 use crate::contact_rolling::{ARM, VISCOUS, marble, on_level, resting, spring_dashpot};
-use crate::engine_stacked;
+use crate::squeezed;
 
 pub(super) fn plots() -> Vec<Plot> {
     vec![falling(), squeezed(), slipping(), decaying()]
@@ -43,8 +43,8 @@ fn squeezed() -> Plot {
     let times: Vec<f64> = spread(2e-5, 1e-3, 49).collect();
     let mut curves = Vec::new();
     for e in [1.0, 0.5] {
-        let want = engine_stacked::reference(e, &times);
-        let found = engine_stacked::engine(e, &times).unwrap_or_default();
+        let want = squeezed::reference(e, &times);
+        let found = squeezed::engine(e, &times).unwrap_or_default();
         for (k, name) in ["lower", "upper"].into_iter().enumerate() {
             let shift = |heights: &[[f64; 2]]| -> Vec<(f64, f64)> {
                 let start = [0.45e-3, 1.35e-3][k];
@@ -55,7 +55,7 @@ fn squeezed() -> Plot {
         }
     }
     Plot {
-        group: "engine_stacked",
+        group: "engine_drops",
         file: "mfix-dem03-height",
         title: "MFIX DEM03: two spheres squeezed between walls",
         caption: "Way of each centre from its start; lines: independent integration, points: the engine.",

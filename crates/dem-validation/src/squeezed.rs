@@ -1,11 +1,9 @@
-//! Two stacked spheres squeezed between walls (MFIX DEM03) in the engine, against a scalar
-//! Runge-Kutta integration.
+//! Two stacked spheres squeezed between walls (MFIX DEM03): paths to draw, in the engine and by a
+//! scalar Runge-Kutta integration. `engine_drops` has the checks.
 
 use dem_core::contact::normal::LinearTailKept;
 use dem_core::contact::normal::restitution::{AttractiveTail, damping_ratio};
 use dem_core::prelude::*;
-
-use crate::{Check, Held};
 
 const R: f64 = 0.5e-3;
 const GAP: f64 = 1.8e-3;
@@ -13,8 +11,6 @@ const START: [f64; 2] = [0.45e-3, 1.35e-3];
 const RHO: [f64; 2] = [2e4, 1e4];
 const K: f64 = 1e3;
 const G: f64 = 9.81;
-/// Squeeze at the start, m: the scale of the motion.
-const SQUEEZE: f64 = 0.05e-3;
 
 fn masses() -> [f64; 2] {
     RHO.map(|rho| rho * 4.0 / 3.0 * std::f64::consts::PI * R.powi(3))
@@ -84,31 +80,4 @@ pub(crate) fn engine(e: f64, times: &[f64]) -> Result<Vec<[f64; 2]>, Error> {
             Ok(spheres.map(|s| w.position(s).y))
         })
         .collect()
-}
-
-/// All checks of this group.
-pub fn cases() -> Vec<Check> {
-    const HELD: Held = Held {
-        tolerance: 5e-3,
-        reason: "relative to the squeeze of 0.05 mm; steps of 0.1 us, first touch within one of them",
-        source: "Runge-Kutta integration of both centres at 0.02 us (MFIX DEM03 set-up)",
-    };
-    let times: Vec<f64> = (1..=5).map(|k| 2e-4 * f64::from(k)).collect();
-    let mut checks = Vec::new();
-    for e in [0.5, 0.6, 0.7, 0.8, 0.9, 1.0] {
-        let case = format!("MFIX DEM03, two spheres squeezed between walls, e = {e}");
-        let ours = engine(e, &times).unwrap_or_else(|_| vec![[f64::NAN; 2]; times.len()]);
-        for ((time, want), found) in times.iter().zip(reference(e, &times)).zip(ours) {
-            for (k, name) in ["lower", "upper"].into_iter().enumerate() {
-                checks.push(HELD.of_scale(
-                    &case,
-                    format!("height of the {name} sphere at {:.1} ms, m", time * 1e3),
-                    want[k],
-                    found[k],
-                    SQUEEZE,
-                ));
-            }
-        }
-    }
-    checks
 }

@@ -1,0 +1,268 @@
+//! The lanes of AVX-512 and AVX2.
+#![cfg(target_arch = "x86_64")]
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::lanes::Lanes;
+use crate::particles::Record;
+
+/// Eight lanes of one AVX-512 register.
+#[derive(Clone, Copy)]
+pub(super) struct Wide(__m512d);
+
+/// Eight lanes of two AVX2 registers.
+#[derive(Clone, Copy)]
+pub(super) struct Pair(__m256d, __m256d);
+
+macro_rules! wide {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl $trait for Wide {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                // SAFETY: values of this type exist only where AVX-512 was detected.
+                Self(unsafe { $op(self.0, o.0) })
+            }
+        }
+    };
+}
+wide!(Add, add, _mm512_add_pd);
+wide!(Sub, sub, _mm512_sub_pd);
+wide!(Mul, mul, _mm512_mul_pd);
+wide!(Div, div, _mm512_div_pd);
+
+impl Neg for Wide {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+    }
+}
+
+/// # Safety
+/// AVX is there and every place is below the length of `records`.
+#[inline(always)]
+unsafe fn record(records: &[Record], place: u32) -> __m256d {
+    debug_assert!((place as usize) < records.len());
+    // SAFETY: a record is four numbers at an address that is a multiple of 32.
+    unsafe { _mm256_load_pd(records.as_ptr().add(place as usize).cast()) }
+}
+
+// SAFETY of all blocks below: values exist only where AVX-512 was detected; references to arrays
+// of eight numbers are valid for the unaligned loads and stores.
+impl Lanes for Wide {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self(unsafe { _mm512_set1_pd(x) })
+    }
+    #[inline(always)]
+    fn load(from: &[f64; 8]) -> Self {
+        Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64; 8]) {
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(unsafe { _mm512_sqrt_pd(self.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(unsafe { _mm512_abs_pd(self.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(unsafe { _mm512_max_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(unsafe { _mm512_min_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> u8 {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(self, mask: u8, other: Self) -> Self {
+        Self(unsafe { _mm512_mask_blend_pd(mask, other.0, self.0) })
+    }
+    #[inline(always)]
+    unsafe fn gather(records: &[Record], p: &[u32; 8]) -> [Self; 4] {
+        unsafe {
+            // Rows k and k + 4 share a register; two rounds of exchanges turn rows into columns.
+            let row = |k: usize| {
+                let low = _mm512_castpd256_pd512(record(records, p[k]));
+                _mm512_insertf64x4::<1>(low, record(records, p[k + 4]))
+            };
+            let (a, b, c, d) = (row(0), row(1), row(2), row(3));
+            let (xz, yw) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+            let (xz2, yw2) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
+            let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+            let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+            [
+                Self(_mm512_permutex2var_pd(xz, low, xz2)),
+                Self(_mm512_permutex2var_pd(yw, low, yw2)),
+                Self(_mm512_permutex2var_pd(xz, high, xz2)),
+                Self(_mm512_permutex2var_pd(yw, high, yw2)),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn scatter([x, y, z, w]: [Self; 4], to: &mut [Record; 8]) {
+        unsafe {
+            let (xy, xy2) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+            let (zw, zw2) = (_mm512_unpacklo_pd(z.0, w.0), _mm512_unpackhi_pd(z.0, w.0));
+            let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+            let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+            let out: *mut f64 = to.as_mut_ptr().cast();
+            let put = |k: usize, v: __m512d| {
+                _mm256_store_pd(out.add(4 * k), _mm512_castpd512_pd256(v));
+                _mm256_store_pd(out.add(4 * (k + 4)), _mm512_extractf64x4_pd::<1>(v));
+            };
+            put(0, _mm512_permutex2var_pd(xy, low, zw));
+            put(1, _mm512_permutex2var_pd(xy2, low, zw2));
+            put(2, _mm512_permutex2var_pd(xy, high, zw));
+            put(3, _mm512_permutex2var_pd(xy2, high, zw2));
+        }
+    }
+}
+
+macro_rules! pair {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl $trait for Pair {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                // SAFETY: values of this type exist only where AVX2 was detected.
+                unsafe { Self($op(self.0, o.0), $op(self.1, o.1)) }
+            }
+        }
+    };
+}
+pair!(Add, add, _mm256_add_pd);
+pair!(Sub, sub, _mm256_sub_pd);
+pair!(Mul, mul, _mm256_mul_pd);
+pair!(Div, div, _mm256_div_pd);
+
+impl Neg for Pair {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: as above.
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            Self(_mm256_xor_pd(self.0, sign), _mm256_xor_pd(self.1, sign))
+        }
+    }
+}
+
+/// Four bits as a mask of four lanes.
+///
+/// # Safety
+/// AVX2 is there.
+#[inline(always)]
+unsafe fn mask4(bits: u8) -> __m256d {
+    // SAFETY: by the caller.
+    unsafe {
+        let lane = _mm256_setr_epi64x(1, 2, 4, 8);
+        let all = _mm256_set1_epi64x(i64::from(bits));
+        _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(all, lane), lane))
+    }
+}
+
+/// # Safety
+/// AVX is there.
+#[inline(always)]
+unsafe fn transpose(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> [__m256d; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (xz, yw) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+        let (xz2, yw2) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(xz, xz2),
+            _mm256_permute2f128_pd::<0x20>(yw, yw2),
+            _mm256_permute2f128_pd::<0x31>(xz, xz2),
+            _mm256_permute2f128_pd::<0x31>(yw, yw2),
+        ]
+    }
+}
+
+// SAFETY of all blocks below: values exist only where AVX2 was detected; references to arrays of
+// eight numbers are valid for the unaligned loads and stores.
+impl Lanes for Pair {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        unsafe { Self(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn load(from: &[f64; 8]) -> Self {
+        unsafe { Self(_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().add(4))) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64; 8]) {
+        unsafe {
+            _mm256_storeu_pd(to.as_mut_ptr(), self.0);
+            _mm256_storeu_pd(to.as_mut_ptr().add(4), self.1);
+        }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        unsafe { Self(_mm256_sqrt_pd(self.0), _mm256_sqrt_pd(self.1)) }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            Self(_mm256_andnot_pd(sign, self.0), _mm256_andnot_pd(sign, self.1))
+        }
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        unsafe { Self(_mm256_max_pd(self.0, other.0), _mm256_max_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        unsafe { Self(_mm256_min_pd(self.0, other.0), _mm256_min_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> u8 {
+        unsafe {
+            let low = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0));
+            let high = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.1, other.1));
+            (low | high << 4) as u8
+        }
+    }
+    #[inline(always)]
+    fn select(self, mask: u8, other: Self) -> Self {
+        unsafe {
+            Self(
+                _mm256_blendv_pd(other.0, self.0, mask4(mask & 15)),
+                _mm256_blendv_pd(other.1, self.1, mask4(mask >> 4)),
+            )
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather(records: &[Record], p: &[u32; 8]) -> [Self; 4] {
+        unsafe {
+            let r = |k: usize| record(records, p[k]);
+            let low = transpose(r(0), r(1), r(2), r(3));
+            let high = transpose(r(4), r(5), r(6), r(7));
+            std::array::from_fn(|k| Self(low[k], high[k]))
+        }
+    }
+    #[inline(always)]
+    fn scatter([x, y, z, w]: [Self; 4], to: &mut [Record; 8]) {
+        unsafe {
+            let out: *mut f64 = to.as_mut_ptr().cast();
+            for (k, v) in transpose(x.0, y.0, z.0, w.0).into_iter().enumerate() {
+                _mm256_store_pd(out.add(4 * k), v);
+            }
+            for (k, v) in transpose(x.1, y.1, z.1, w.1).into_iter().enumerate() {
+                _mm256_store_pd(out.add(4 * (k + 4)), v);
+            }
+        }
+    }
+}

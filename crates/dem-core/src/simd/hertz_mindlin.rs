@@ -1,0 +1,456 @@
+//! Hertz, Mindlin with history, damping and constant rolling torque: eight contacts at once.
+//!
+//! Operation by operation the portable path: `forces.rs` for the kinematics, then
+//! `normal/hertz.rs`, `contact/spring.rs`, `contact/friction.rs`, `tangential/mindlin.rs`,
+//! `rolling/constant_torque.rs` and `contact/model.rs`. Whoever changes one of them changes this
+//! too: `simd_and_portable_kernels_agree_bit_by_bit` tells.
+
+use super::lanes::{Lanes, V3};
+use super::{Constants, Level};
+use crate::forces::{ChunkYield, SphereView};
+use crate::particles::Record;
+
+/// Numbers that a contact of these laws remembers: the spring's force and its signed stiffness.
+pub(crate) const SLOTS: usize = 4;
+
+/// A run of touching pairs, in whole blocks.
+pub(crate) struct Run<'a> {
+    /// Pairs in the run; what is beyond them in the last block is padding.
+    pub(crate) pairs: usize,
+    pub(crate) first: &'a [u32],
+    pub(crate) second: &'a [u32],
+    pub(crate) active: &'a mut [u8],
+    pub(crate) memory: &'a mut [f64],
+    pub(crate) force: &'a mut [Record],
+    pub(crate) torque_first: &'a mut [Record],
+    pub(crate) torque_second: &'a mut [Record],
+}
+
+/// One block of eight contacts.
+struct Block<'a> {
+    first: &'a [u32; 8],
+    second: &'a [u32; 8],
+    /// Lanes that hold a contact.
+    valid: u8,
+    /// Which of them touch: out.
+    touching: u8,
+    /// Which overlap too deeply: out.
+    deep: u8,
+    memory: &'a mut [f64; 8 * SLOTS],
+    force: &'a mut [Record; 8],
+    torque_first: &'a mut [Record; 8],
+    torque_second: &'a mut [Record; 8],
+}
+
+/// What is the same for all pairs of spheres.
+#[derive(Clone, Copy)]
+pub(crate) struct PairKernel<'a> {
+    pub(crate) spheres: SphereView<'a>,
+    /// Laws by material times material.
+    pub(crate) constants: &'a [Constants],
+    pub(crate) materials: usize,
+    /// Radius and mass of all spheres, if they are alike.
+    pub(crate) one_size: Option<[f64; 2]>,
+    pub(crate) period: Option<crate::neighbour::Period>,
+    pub(crate) dt: f64,
+    pub(crate) overlap_limit: f64,
+}
+
+/// Constants of eight contacts.
+#[derive(Clone, Copy)]
+struct Laws<V> {
+    e_star: V,
+    normal_damping: V,
+    g_star: V,
+    friction: V,
+    shear_damping: V,
+    arm_length: V,
+    arm_ratio: V,
+    least_force: V,
+}
+
+impl<V: Lanes> Laws<V> {
+    #[inline(always)]
+    fn splat(c: &Constants) -> Self {
+        Self::from(|f| V::splat(f(c)))
+    }
+
+    #[inline(always)]
+    fn lanes(each: [&Constants; 8]) -> Self {
+        Self::from(|f| V::load(&each.map(f)))
+    }
+
+    #[inline(always)]
+    fn from(make: impl Fn(fn(&Constants) -> f64) -> V) -> Self {
+        Self {
+            e_star: make(|c| c.e_star),
+            normal_damping: make(|c| c.normal_damping),
+            g_star: make(|c| c.g_star),
+            friction: make(|c| c.friction),
+            shear_damping: make(|c| c.shear_damping),
+            arm_length: make(|c| c.arm_length),
+            arm_ratio: make(|c| c.arm_ratio),
+            least_force: make(|c| c.least_force),
+        }
+    }
+}
+
+/// Relative motion of eight contacts.
+#[derive(Clone, Copy)]
+struct Motion<V> {
+    normal: V3<V>,
+    overlap: V,
+    rate: V,
+    slip: V3<V>,
+    spin_i: V3<V>,
+    spin_j: V3<V>,
+    lever_i: V,
+    lever_j: V,
+    r_star: V,
+    m_star: V,
+    twist: V,
+    dt: V,
+}
+
+/// Wrenches of eight contacts.
+struct Out<V> {
+    force: V3<V>,
+    torque_i: V3<V>,
+    torque_j: V3<V>,
+    /// Spring force and signed stiffness.
+    spring: V3<V>,
+    stiffness: V,
+}
+
+/// Hold `trial` to the limit; returns it and the lanes that slide.
+#[inline(always)]
+fn limit<V: Lanes>(trial: V3<V>, threshold: V) -> (V3<V>, u8) {
+    let size2 = trial.dot(trial);
+    let slides = (threshold * threshold).less(size2);
+    if slides == 0 {
+        return (trial, 0);
+    }
+    let scaled = trial * (threshold / size2.sqrt());
+    (scaled.select(slides, trial), slides)
+}
+
+/// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
+/// matter.
+#[inline(always)]
+fn small_sin_cos<V: Lanes>(x: V, used: u8) -> (V, V) {
+    let one = V::splat(1.0);
+    let x2 = x * x;
+    let series = one + x2 * (V::splat(1.0 / 12.0) + x2 * V::splat(1.0 / 120.0));
+    let t = V::splat(0.5) * x * series;
+    let scale = one / (one + t * t);
+    let (sin, cos) = (V::splat(2.0) * t * scale, (one - t * t) * scale);
+    let large = V::splat(0.1).less(x.abs()) & used;
+    if large == 0 { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
+}
+
+/// The lanes of large twists by the library's functions.
+#[inline(always)]
+fn large_sin_cos<V: Lanes>(x: V, sin: V, cos: V, large: u8) -> (V, V) {
+    let (mut angles, mut sines, mut cosines) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+    x.store(&mut angles);
+    sin.store(&mut sines);
+    cos.store(&mut cosines);
+    for lane in (0..8).filter(|l| large >> l & 1 != 0) {
+        (sines[lane], cosines[lane]) = angles[lane].sin_cos();
+    }
+    (V::load(&sines), V::load(&cosines))
+}
+
+/// The laws.
+#[inline(always)]
+fn respond<V: Lanes>(
+    m: &Motion<V>,
+    laws: &Laws<V>,
+    old: V3<V>,
+    old_stiffness: V,
+    touching: u8,
+) -> Out<V> {
+    let (zero, n) = (V::splat(0.0), m.normal);
+    let tiny = V::splat(f64::MIN_POSITIVE);
+    // Transport of the spring with the contact frame.
+    let flat = old - n * old.dot(n);
+    let (flat2, size2) = (flat.dot(flat), old.dot(old));
+    let alive = zero.less(flat2);
+    let flat = flat * (size2 / flat2).sqrt();
+    let (sin, cos) = small_sin_cos(m.twist, touching & alive);
+    let carried = (flat * cos + n.cross(flat) * sin).select(alive, V3::splat(0.0));
+    // Hertz.
+    let delta = m.overlap.max(zero);
+    let a = (m.r_star * delta).sqrt();
+    let stiffness = V::splat(2.0) * laws.e_star * a;
+    let elastic = V::splat(2.0 / 3.0) * stiffness * delta;
+    let viscous = laws.normal_damping * (m.m_star * stiffness).sqrt() * m.rate;
+    let normal = (elastic + viscous).max(laws.least_force);
+    let load = normal.max(zero);
+    // Mindlin.
+    let k = V::splat(8.0) * laws.g_star * a;
+    let dashpot = laws.shear_damping * (m.m_star * k).sqrt();
+    let share = (k / old_stiffness.abs().max(tiny)).min(V::splat(1.0));
+    let trial = carried * share - (m.slip * m.dt) * k;
+    let threshold = laws.friction * load;
+    let (spring, sliding) = limit(trial, threshold);
+    let (damped, _) = limit(spring - m.slip * dashpot, threshold);
+    let sticks_damped = !sliding & zero.less(dashpot);
+    let shear = damped.select(sticks_damped, spring);
+    // Constant torque.
+    let spin = m.spin_i - m.spin_j;
+    let rolling = spin - n * spin.dot(n);
+    let speed = rolling.dot(rolling).sqrt();
+    let arm = laws.arm_length + laws.arm_ratio * m.r_star;
+    let torque = rolling * (-(arm * load) / speed.max(tiny));
+    let moment = n.cross(shear);
+    Out {
+        force: shear - n * normal,
+        torque_i: moment * m.lever_i + torque,
+        torque_j: moment * m.lever_j - torque,
+        spring,
+        stiffness: (-k).select(sliding, k),
+    }
+}
+
+impl PairKernel<'_> {
+    /// Compute a run of touching pairs.
+    pub(crate) fn touching(&self, level: Level, run: &mut Run<'_>, into: &mut ChunkYield) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+            unsafe fn avx512(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.blocks::<super::avx::Wide>(run, into) }
+            }
+            #[target_feature(enable = "avx2")]
+            unsafe fn avx2(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.blocks::<super::avx::Pair>(run, into) }
+            }
+            // SAFETY: `level` comes from `Level::detect`, which asked the processor.
+            match level {
+                Level::Avx512 => unsafe { avx512(self, run, into) },
+                Level::Avx2 => unsafe { avx2(self, run, into) },
+                Level::Portable => {}
+            }
+        }
+        let _ = level;
+    }
+
+    /// Bits of the near pairs that touch now, among eight.
+    pub(crate) fn touch(&self, level: Level, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+            unsafe fn avx512(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.near::<super::avx::Wide>(first, second) }
+            }
+            #[target_feature(enable = "avx2")]
+            unsafe fn avx2(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.near::<super::avx::Pair>(first, second) }
+            }
+            // SAFETY: `level` comes from `Level::detect`, which asked the processor.
+            match level {
+                Level::Avx512 => return unsafe { avx512(self, first, second) },
+                Level::Avx2 => return unsafe { avx2(self, first, second) },
+                Level::Portable => {}
+            }
+        }
+        let _ = (level, first, second);
+        u8::MAX
+    }
+
+    /// # Safety
+    /// Every place is that of a sphere.
+    #[inline(always)]
+    unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+        let position = self.spheres.position;
+        // SAFETY: by the caller.
+        let (pi, pj) = unsafe { (V::gather(position, first), V::gather(position, second)) };
+        let mut d = V3::of(pj) - V3::of(pi);
+        if let Some(p) = self.period {
+            d = shortest(p, d);
+        }
+        let sum = pi[3] + pj[3];
+        d.dot(d).less(sum * sum)
+    }
+
+    /// # Safety
+    /// Every place in the run is that of a sphere.
+    #[inline(always)]
+    unsafe fn blocks<V: Lanes>(&self, run: &mut Run<'_>, into: &mut ChunkYield) {
+        let (first, _) = run.first.as_chunks::<8>();
+        let (second, _) = run.second.as_chunks::<8>();
+        let (active, _) = run.active.as_chunks_mut::<8>();
+        let (memory, _) = run.memory.as_chunks_mut::<{ 8 * SLOTS }>();
+        let (force, _) = run.force.as_chunks_mut::<8>();
+        let (torque_first, _) = run.torque_first.as_chunks_mut::<8>();
+        let (torque_second, _) = run.torque_second.as_chunks_mut::<8>();
+        let each = first.iter().zip(second).zip(active).zip(memory).zip(force);
+        let each = each.zip(torque_first).zip(torque_second).enumerate();
+        for (k, ((((((first, second), active), memory), force), torque_first), torque_second)) in
+            each
+        {
+            let left = run.pairs.saturating_sub(8 * k);
+            let valid = if left >= 8 { u8::MAX } else { (1u8 << left) - 1 };
+            let mut block = Block {
+                first,
+                second,
+                valid,
+                touching: 0,
+                deep: 0,
+                memory,
+                force,
+                torque_first,
+                torque_second,
+            };
+            // SAFETY: by the caller.
+            unsafe { self.block::<V>(&mut block) };
+            let (touching, deep) = (block.touching, block.deep);
+            *active = std::array::from_fn(|lane| touching >> lane & 1);
+            if deep != 0 {
+                self.note_deep(deep, first, second, into);
+            }
+        }
+    }
+
+    #[cold]
+    fn note_deep(&self, deep: u8, first: &[u32; 8], second: &[u32; 8], into: &mut ChunkYield) {
+        for lane in (0..8).filter(|l| deep >> l & 1 != 0) {
+            let (i, j) = (first[lane], second[lane]);
+            let (a, b) = (self.spheres.position[i as usize], self.spheres.position[j as usize]);
+            let d = crate::neighbour::Period::shortest(self.period, b.vector() - a.vector());
+            let overlap = a.w + b.w - d.length();
+            into.note_overlap(overlap / a.w.min(b.w), i, j, false);
+        }
+    }
+
+    /// # Safety
+    /// Every place in `first` and `second` of a block is that of a sphere.
+    #[inline(always)]
+    unsafe fn block<V: Lanes>(&self, b: &mut Block<'_>) {
+        let s = &self.spheres;
+        // SAFETY: by the caller.
+        let (pi, pj) = unsafe { (V::gather(s.position, b.first), V::gather(s.position, b.second)) };
+        let mut d = V3::of(pj) - V3::of(pi);
+        if let Some(p) = self.period {
+            d = shortest(p, d);
+        }
+        let distance_squared = d.dot(d);
+        let (ri, rj) = (pi[3], pj[3]);
+        let sum = ri + rj;
+        let touching = distance_squared.less(sum * sum) & b.valid;
+        b.touching = touching;
+        b.deep = 0;
+        if touching == 0 {
+            b.memory.fill(0.0);
+            b.force.fill(Record::default());
+            b.torque_first.fill(Record::default());
+            b.torque_second.fill(Record::default());
+            return;
+        }
+        let distance = distance_squared.sqrt();
+        let overlap = sum - distance;
+        // SAFETY: by the caller.
+        let (vi, vj, wi, wj, ei, ej) = unsafe {
+            (
+                V::gather(s.mean_velocity, b.first),
+                V::gather(s.mean_velocity, b.second),
+                V::gather(s.mean_spin, b.first),
+                V::gather(s.mean_spin, b.second),
+                V::gather(s.end_velocity, b.first),
+                V::gather(s.end_velocity, b.second),
+            )
+        };
+        let (mi, mj) = (vi[3], vj[3]);
+        let laws = if let [only] = self.constants {
+            Laws::splat(only)
+        } else {
+            let (mut a, mut c) = ([0.0; 8], [0.0; 8]);
+            wi[3].store(&mut a);
+            wj[3].store(&mut c);
+            Laws::lanes(std::array::from_fn(|k| {
+                &self.constants[a[k] as usize * self.materials + c[k] as usize]
+            }))
+        };
+        let (vi, vj, wi, wj) = (V3::of(vi), V3::of(vj), V3::of(wi), V3::of(wj));
+        b.deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
+        let n = d * (V::splat(1.0) / distance);
+        let dt = V::splat(self.dt);
+        let half = V::splat(0.5) * overlap;
+        let (lever_i, lever_j) = (ri - half, rj - half);
+        let approach = vi - vj;
+        let back = V::splat(0.25 * self.dt) * approach.dot(n);
+        let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
+        // Spheres alike: the same operations, once for all lanes.
+        let (r_star, m_star) = match self.one_size {
+            Some([r, m]) => (V::splat(r * r / (r + r)), V::splat(m * m / (m + m))),
+            None => (ri * rj / sum, mi * mj / (mi + mj)),
+        };
+        let motion = Motion {
+            normal: n,
+            overlap,
+            rate: (V3::of(ei) - V3::of(ej)).dot(n),
+            slip: relative - n * relative.dot(n),
+            spin_i: wi,
+            spin_j: wj,
+            lever_i,
+            lever_j,
+            r_star,
+            m_star,
+            twist: V::splat(0.5) * (wi + wj).dot(n) * dt,
+            dt,
+        };
+        let (old, old_stiffness) = load_memory::<V>(b.memory);
+        let out = respond(&motion, &laws, old, old_stiffness, touching);
+        store(b, touching, &out);
+    }
+}
+
+#[inline(always)]
+fn load_memory<V: Lanes>(memory: &[f64; 8 * SLOTS]) -> (V3<V>, V) {
+    let (slots, _) = memory.as_chunks::<8>();
+    let old = V3 { x: V::load(&slots[0]), y: V::load(&slots[1]), z: V::load(&slots[2]) };
+    (old, V::load(&slots[3]))
+}
+
+#[inline(always)]
+fn store<V: Lanes>(b: &mut Block<'_>, touching: u8, out: &Out<V>) {
+    let zero = V::splat(0.0);
+    let none = V3::splat(0.0);
+    let spring = out.spring.select(touching, none);
+    let (slots, _) = b.memory.as_chunks_mut::<8>();
+    spring.x.store(&mut slots[0]);
+    spring.y.store(&mut slots[1]);
+    spring.z.store(&mut slots[2]);
+    out.stiffness.select(touching, zero).store(&mut slots[3]);
+    for (v, to) in [
+        (out.force, &mut *b.force),
+        (out.torque_i, &mut *b.torque_first),
+        (out.torque_j, &mut *b.torque_second),
+    ] {
+        let v = v.select(touching, none);
+        V::scatter([v.x, v.y, v.z, zero], to);
+    }
+}
+
+/// The shortest image along the periodic axis, as `Period::shortest` finds it.
+#[inline(always)]
+fn shortest<V: Lanes>(p: crate::neighbour::Period, mut d: V3<V>) -> V3<V> {
+    let along = match p.axis {
+        0 => &mut d.x,
+        1 => &mut d.y,
+        _ => &mut d.z,
+    };
+    let mut lanes = [0.0; 8];
+    along.store(&mut lanes);
+    for x in &mut lanes {
+        let k = (*x / p.length).round();
+        *x -= k * p.length;
+    }
+    *along = V::load(&lanes);
+    d
+}

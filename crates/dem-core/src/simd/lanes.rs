@@ -1,0 +1,111 @@
+//! Eight numbers side by side, and vectors of them.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::particles::Record;
+
+/// Eight numbers in one or several registers.
+pub(super) trait Lanes:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The same number in every lane.
+    fn splat(x: f64) -> Self;
+    fn load(from: &[f64; 8]) -> Self;
+    fn store(self, to: &mut [f64; 8]);
+    fn sqrt(self) -> Self;
+    fn abs(self) -> Self;
+    /// Larger of two numbers, `other` where they cannot be compared.
+    fn max(self, other: Self) -> Self;
+    fn min(self, other: Self) -> Self;
+    /// One bit a lane: `self < other`, false for what cannot be compared.
+    fn less(self, other: Self) -> u8;
+    /// `self` in the lanes of `mask`, `other` elsewhere.
+    fn select(self, mask: u8, other: Self) -> Self;
+    /// The records at eight places, one vector a field.
+    ///
+    /// # Safety
+    /// Every place is below the length of `records`.
+    unsafe fn gather(records: &[Record], places: &[u32; 8]) -> [Self; 4];
+    /// Eight records from their fields.
+    fn scatter(fields: [Self; 4], to: &mut [Record; 8]);
+}
+
+/// Three vectors of lanes.
+#[derive(Clone, Copy)]
+pub(super) struct V3<V> {
+    pub(super) x: V,
+    pub(super) y: V,
+    pub(super) z: V,
+}
+
+impl<V: Lanes> V3<V> {
+    #[inline(always)]
+    pub(super) fn of(f: [V; 4]) -> Self {
+        Self { x: f[0], y: f[1], z: f[2] }
+    }
+
+    #[inline(always)]
+    pub(super) fn splat(x: f64) -> Self {
+        Self { x: V::splat(x), y: V::splat(x), z: V::splat(x) }
+    }
+
+    #[inline(always)]
+    pub(super) fn dot(self, o: Self) -> V {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+
+    #[inline(always)]
+    pub(super) fn cross(self, o: Self) -> Self {
+        Self {
+            x: self.y * o.z - o.y * self.z,
+            y: self.z * o.x - o.z * self.x,
+            z: self.x * o.y - o.x * self.y,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn select(self, mask: u8, other: Self) -> Self {
+        Self {
+            x: self.x.select(mask, other.x),
+            y: self.y.select(mask, other.y),
+            z: self.z.select(mask, other.z),
+        }
+    }
+}
+
+impl<V: Lanes> Add for V3<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+    }
+}
+
+impl<V: Lanes> Sub for V3<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+    }
+}
+
+impl<V: Lanes> Mul<V> for V3<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: V) -> Self {
+        Self { x: self.x * s, y: self.y * s, z: self.z * s }
+    }
+}
+
+impl<V: Lanes> Neg for V3<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}

@@ -1,0 +1,123 @@
+//! Eight contacts at once: the only unsafe code of the crate.
+//!
+//! The kernel is written once, over [`lanes::Lanes`]; AVX-512 and AVX2 each compile it for their
+//! registers, and the widest that the processor has is chosen when a world runs. Every operation
+//! is the same, in the same order, as in the portable kernel, and none is fused: so the bits of
+//! the result are those of the portable kernel, on every processor.
+#![expect(
+    unsafe_code,
+    reason = "vector instructions and unchecked gathers; nothing else in the crate is"
+)]
+
+mod avx;
+mod hertz_mindlin;
+mod lanes;
+
+use std::any::Any;
+
+pub(crate) use hertz_mindlin::{PairKernel, Run};
+
+use crate::contact::cohesion::Cohesionless;
+use crate::contact::model::ContactModel;
+use crate::contact::normal::Hertz;
+use crate::contact::rolling::{ConstantTorque, FreeRolling};
+use crate::contact::tangential::Mindlin;
+
+/// Instruction set that a world's kernels use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Level {
+    /// One contact at a time, any processor.
+    Portable,
+    /// Two registers of four lanes.
+    Avx2,
+    /// One register of eight lanes.
+    Avx512,
+}
+
+impl Level {
+    /// The widest that this processor has.
+    pub(crate) fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+                return Self::Avx512;
+            }
+            if is_x86_feature_detected!("avx2") {
+                return Self::Avx2;
+            }
+        }
+        Self::Portable
+    }
+}
+
+/// Constants of a Hertz-Mindlin law that the kernel knows.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Constants {
+    pub(crate) e_star: f64,
+    pub(crate) normal_damping: f64,
+    pub(crate) g_star: f64,
+    pub(crate) friction: f64,
+    pub(crate) shear_damping: f64,
+    pub(crate) arm_length: f64,
+    pub(crate) arm_ratio: f64,
+    /// Lowest normal force: 0 where the tail is cut, minus infinity where it is kept.
+    pub(crate) least_force: f64,
+}
+
+impl Constants {
+    fn hertz_mindlin<const CUT: bool>(normal: &Hertz<CUT>, tangential: &Mindlin) -> Option<Self> {
+        let f = &tangential.friction;
+        (f.mu_static == f.mu_kinetic).then_some(Self {
+            e_star: normal.e_star,
+            normal_damping: normal.damping,
+            g_star: tangential.g_star,
+            friction: f.mu_static,
+            shear_damping: tangential.damping,
+            arm_length: 0.0,
+            arm_ratio: 0.0,
+            least_force: if CUT { 0.0 } else { f64::NEG_INFINITY },
+        })
+    }
+
+    fn of<const CUT: bool>(law: &dyn Any) -> Option<Self> {
+        type With<const CUT: bool, R> = ContactModel<Hertz<CUT>, Mindlin, R, Cohesionless>;
+        if let Some(m) = law.downcast_ref::<With<CUT, ConstantTorque>>() {
+            let c = Self::hertz_mindlin(&m.normal, &m.tangential)?;
+            let (arm_length, arm_ratio) = (m.rolling.arm.length, m.rolling.arm.ratio);
+            return Some(Self { arm_length, arm_ratio, ..c });
+        }
+        let m = law.downcast_ref::<With<CUT, FreeRolling>>()?;
+        Self::hertz_mindlin(&m.normal, &m.tangential)
+    }
+}
+
+/// Constants of all laws of a table, if the kernel knows every one of them.
+pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
+    laws.iter()
+        .map(|law| Constants::of::<true>(law).or_else(|| Constants::of::<false>(law)))
+        .collect()
+}
+
+/// Run `work` compiled for the instructions of `level`: the same operations, wider registers.
+#[inline(always)]
+pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+        unsafe fn avx512<R>(work: impl FnOnce() -> R) -> R {
+            work()
+        }
+        #[target_feature(enable = "avx2")]
+        unsafe fn avx2<R>(work: impl FnOnce() -> R) -> R {
+            work()
+        }
+        // SAFETY: `level` comes from `Level::detect`, which asked the processor.
+        match level {
+            Level::Avx512 => return unsafe { avx512(work) },
+            Level::Avx2 => return unsafe { avx2(work) },
+            Level::Portable => {}
+        }
+    }
+    let _ = level;
+    work()
+}
