@@ -40,11 +40,11 @@ pub(crate) fn run(
 
 /// A square of two triangles that covers one end of the drum and turns in its own plane.
 fn end_plate(side: f64) -> String {
-    let (a, y) = (1.4 * RADIUS, side * 0.5 * LENGTH);
-    let corner = |x: f64, z: f64| format!("      vertex {x} {y} {z}\n");
+    let (a, z) = (1.4 * RADIUS, side * 0.5 * LENGTH);
+    let corner = |x: f64, y: f64| format!("      vertex {x} {y} {z}\n");
     let facet = |corners: [String; 3]| {
         format!(
-            "  facet normal 0 {} 0\n    outer loop\n{}    endloop\n  endfacet\n",
+            "  facet normal 0 0 {}\n    outer loop\n{}    endloop\n  endfacet\n",
             -side,
             corners.concat()
         )
@@ -54,7 +54,7 @@ fn end_plate(side: f64) -> String {
     format!("solid end\n{first}{second}endsolid end\n")
 }
 
-/// Count every frame of a dump `id x y z`.
+/// Count every frame of a dump `id x y z`, whose coordinates are ours in the order z, x, y.
 fn counted(path: &Path) -> anyhow::Result<Vec<Moment>> {
     let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
     let mut lines = BufReader::new(file).lines();
@@ -76,7 +76,7 @@ fn counted(path: &Path) -> anyhow::Result<Vec<Moment>> {
             let line = next()??;
             let n: Vec<f64> = line.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
             ensure!(n.len() == 4, "{}: expected `id x y z`, found `{line}`", path.display());
-            spheres.push((n[0] as usize - 1, DVec3::new(n[1], n[2], n[3])));
+            spheres.push((n[0] as usize - 1, DVec3::new(n[2], n[3], n[1])));
         }
         moments.push(count(step as f64 * STEP, spheres.into_iter()));
     }

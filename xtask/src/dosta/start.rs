@@ -105,15 +105,15 @@ impl Start {
         Ok(Self { centres })
     }
 
-    /// The same spheres as a data file of LIGGGHTS.
+    /// The same spheres as a data file of LIGGGHTS, coordinates in the order z, x, y.
     pub(crate) fn to_liggghts(&self) -> String {
         let (r, y) = (1.1 * RADIUS, 0.55 * LENGTH);
         let mut text = format!(
-            "spheres at rest\n\n{} atoms\n3 atom types\n\n{} {r} xlo xhi\n{} {y} ylo yhi\n{} {r} zlo zhi\n\nAtoms\n\n",
+            "spheres at rest\n\n{} atoms\n3 atom types\n\n{} {r} xlo xhi\n{} {r} ylo yhi\n{} {y} zlo zhi\n\nAtoms\n\n",
             self.centres.len(),
             -r,
-            -y,
             -r,
+            -y,
         );
         for (n, c) in self.centres.iter().enumerate() {
             let kind = species_of(n);
@@ -125,9 +125,9 @@ impl Start {
                 kind + 1,
                 2.0 * s.radius,
                 s.density,
+                c.z,
                 c.x,
-                c.y,
-                c.z
+                c.y
             );
         }
         text
