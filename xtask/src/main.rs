@@ -1,9 +1,11 @@
-//! House tasks: `ci`, `tidy`, `reproduce`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod ci;
+mod dosta;
 mod reproduce;
 mod tidy;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -29,6 +31,19 @@ enum Task {
         #[arg(long)]
         json: bool,
     },
+    /// Every case that dem-core must reproduce: docs/validation.md and its plots.
+    Validate {
+        /// Print the checks as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// The soft drum of Dosta et al. 2024 from a start file, in Tumble or LIGGGHTS.
+    Dosta(dosta::Options),
+}
+
+/// Root of the workspace.
+fn root() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 fn main() -> ExitCode {
@@ -36,6 +51,8 @@ fn main() -> ExitCode {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
         Task::Reproduce { json } => reproduce::run(json),
+        Task::Validate { json } => validate::run(json),
+        Task::Dosta(options) => dosta::run(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

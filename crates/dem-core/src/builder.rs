@@ -309,7 +309,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             positive("skin (m)", skin)?;
         }
         let laws = self.dense_laws(&state, &walls)?;
-        self.check_time_step(smallest)?;
+        self.check_time_step(&self.smallest_by_material(&state))?;
         let neck = self.largest_neck(&laws, largest, smallest, &state);
         let range = neck.max(self.largest_range(largest, smallest, &state));
         let slots =
@@ -501,12 +501,27 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         Ok(all.map(|(a, b)| *table.get(MaterialId(a), MaterialId(b)).unwrap_or(any)).collect())
     }
 
-    fn check_time_step(&self, smallest: f64) -> Result<(), Error> {
+    /// Radius of the smallest sphere of each material; infinite for one that only walls have, as
+    /// walls do not move by forces.
+    fn smallest_by_material(&self, state: &State) -> Vec<f64> {
+        let mut smallest = vec![f64::INFINITY; self.materials.len()];
+        let b = &state.bodies;
+        let mut see = |body: usize, radius: f64| {
+            let least = &mut smallest[b.mean_spin[body].w as usize];
+            *least = least.min(radius);
+        };
+        if self.shapes.is_empty() {
+            b.position.iter().enumerate().for_each(|(k, p)| see(k, p.w));
+        } else {
+            let m = &state.members;
+            m.arm.iter().zip(&m.body).for_each(|(arm, &body)| see(body as usize, arm.w));
+        }
+        smallest
+    }
+
+    fn check_time_step(&self, smallest_by_material: &[f64]) -> Result<(), Error> {
         let Some(fraction) = self.time_step_fraction else { return Ok(()) };
         positive("largest time step over the Rayleigh time", fraction)?;
-        if !smallest.is_finite() {
-            return Ok(());
-        }
         let refuse = |fraction, limit, criterion| {
             if self.dt > fraction * limit {
                 let time_step = self.dt;
@@ -514,7 +529,8 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             }
             Ok(())
         };
-        for m in &self.materials {
+        let particles = self.materials.iter().zip(smallest_by_material.iter().copied());
+        for (m, smallest) in particles.filter(|(_, radius)| radius.is_finite()) {
             let elasticity = Elasticity::new(m.youngs_modulus, m.poisson_ratio)?;
             refuse(fraction, rayleigh_time(smallest, m.density, &elasticity), "Rayleigh")?;
             if let Some(speed) = self.impact_speed {

@@ -83,6 +83,32 @@ impl Held {
         self.of_scale(case, quantity, reference, ours, 1.0)
     }
 
+    /// A lower bound; the deviation is what is missing.
+    pub fn at_least(
+        &self,
+        case: impl Into<String>,
+        quantity: impl Into<String>,
+        bound: f64,
+        ours: f64,
+    ) -> Check {
+        let check = self.absolute(case, quantity, bound, ours);
+        let deviation = if ours >= bound { 0.0 } else { check.deviation };
+        Check { deviation, pass: deviation <= self.tolerance, ..check }
+    }
+
+    /// An upper bound; the deviation is the excess.
+    pub fn at_most(
+        &self,
+        case: impl Into<String>,
+        quantity: impl Into<String>,
+        bound: f64,
+        ours: f64,
+    ) -> Check {
+        let check = self.absolute(case, quantity, bound, ours);
+        let deviation = if ours <= bound { 0.0 } else { check.deviation };
+        Check { deviation, pass: deviation <= self.tolerance, ..check }
+    }
+
     /// A statement that holds (1) or does not (0).
     pub fn fact(
         &self,

@@ -26,7 +26,8 @@ const HARD: Held = Held {
     source: "hard-sphere limit y_k = r + (y0 - r) e^(2k) (MFIX DEM02)",
 };
 
-fn drop(
+/// A ball of test DEM01 about to fall.
+pub(crate) fn drop(
     k: f64,
     e: f64,
     dt: f64,
@@ -43,7 +44,7 @@ fn drop(
 }
 
 /// Height of the centre at time `t` of a sphere that falls, is in contact once, and flies.
-fn closed_height(k: f64, e: f64, t: f64) -> f64 {
+pub(crate) fn closed_height(k: f64, e: f64, t: f64) -> f64 {
     let m = Body::solid_sphere(R, 2600.0).mass;
     let zeta = damping_ratio(e, AttractiveTail::Kept).expect("the cases lie in (0, 1]");
     let t1 = (2.0 * (START - R) / G).sqrt();

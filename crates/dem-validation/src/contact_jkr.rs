@@ -33,9 +33,9 @@ const IMPACT: Held = Held {
 
 const W: f64 = 0.05;
 const E_STAR: f64 = 1e8;
-const R: f64 = 1e-4;
+pub(crate) const R: f64 = 1e-4;
 
-fn at(overlap: f64) -> Kinematics {
+pub(crate) fn at(overlap: f64) -> Kinematics {
     Kinematics {
         normal_i_to_j: DVec3::X,
         overlap,
@@ -49,10 +49,18 @@ fn at(overlap: f64) -> Kinematics {
     }
 }
 
+/// The laws of this group, undamped.
+pub(crate) fn laws() -> (Jkr, Dmt) {
+    (
+        Jkr { e_star: E_STAR, work_of_adhesion: W, damping: 0.0 },
+        Dmt { e_star: E_STAR, work_of_adhesion: W, damping: 0.0 },
+    )
+}
+
 /// All checks of this group.
 pub fn cases() -> Vec<Check> {
     use std::f64::consts::PI;
-    let law = Jkr { e_star: E_STAR, work_of_adhesion: W, damping: 0.0 };
+    let (law, dmt) = laws();
     let pair = PairGeometry { r_star: R, m_star: 1e-8, radius_i: R, radius_j: f64::INFINITY };
     let force = |overlap: f64| law.respond(&pair, &at(overlap), &mut Bond { formed: true });
     let case = "JKR, sphere of 0.1 mm on a plane";
@@ -94,7 +102,6 @@ pub fn cases() -> Vec<Check> {
             r.contact_radius,
         ));
     }
-    let dmt = Dmt { e_star: E_STAR, work_of_adhesion: W, damping: 0.0 };
     checks.push(
         Held {
             source: "Derjaguin, Muller and Toporov 1975, doi:10.1016/0021-9797(75)90018-1",

@@ -39,7 +39,8 @@ fn on_plane(law: Rough, pair: &ElasticPair, body: Body) -> Option<Outcome> {
     collide(law, body, Partner::Plane, settings).ok()
 }
 
-fn tangential_restitution_and_spin(m: &Material, angle_deg: f64) -> (f64, f64) {
+/// Tangential restitution and spin (rad/s) of test 4 at an angle from the normal.
+pub(crate) fn tangential_restitution_and_spin(m: &Material, angle_deg: f64) -> (f64, f64) {
     let (sin, cos) = angle_deg.to_radians().sin_cos();
     let pair = m.on_rigid();
     let body = Body::solid_sphere(2.5e-3, m.rho).with_velocity(DVec3::new(cos, sin, 0.0) * 3.9);
@@ -47,11 +48,19 @@ fn tangential_restitution_and_spin(m: &Material, angle_deg: f64) -> (f64, f64) {
         .map_or((f64::NAN, f64::NAN), |hit| (hit.i.velocity.y / body.velocity.y, -hit.i.spin.z))
 }
 
+/// Angles of the digitised curves of test 4, deg.
+pub(crate) const DIGITISED_ANGLES: [f64; 11] =
+    [5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
+/// Tangential restitution there.
+pub(crate) const DIGITISED_E_T: [f64; 11] =
+    [0.948, 0.687, 0.624, 0.616, 0.634, 0.684, 0.781, 0.845, 0.893, 0.932, 0.966];
+/// Spin there, rad/s (negative in the paper).
+pub(crate) const DIGITISED_SPIN: [f64; 11] =
+    [19.0, 213.0, 378.0, 511.0, 599.0, 617.0, 545.0, 457.0, 357.0, 246.0, 126.0];
+
 fn test_4(checks: &mut Vec<Check>) {
-    const THETA: [f64; 9] = [15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
-    const E_T: [f64; 9] = [0.624, 0.616, 0.634, 0.684, 0.781, 0.845, 0.893, 0.932, 0.966];
-    const SPIN: [f64; 9] = [378.0, 511.0, 599.0, 617.0, 545.0, 457.0, 357.0, 246.0, 126.0];
-    for ((theta, e_t), spin) in THETA.into_iter().zip(E_T).zip(SPIN) {
+    let digitised = DIGITISED_ANGLES.into_iter().zip(DIGITISED_E_T).zip(DIGITISED_SPIN);
+    for ((theta, e_t), spin) in digitised.filter(|((theta, _), _)| *theta > 10.0) {
         let (ours, ours_spin) = tangential_restitution_and_spin(&ALUMINA, theta);
         let case = format!("Chung-Ooi 4, Al2O3, {theta} deg, digitised");
         checks.push(DIGITISED.of_scale(&case, "tangential restitution", e_t, ours, 0.966));
@@ -102,26 +111,35 @@ fn runge_kutta(pair: &ElasticPair, body: &Body, v_n: f64, v_t: f64, mu: f64) -> 
     }
 }
 
+const TEST_5: (f64, f64) = (0.3, 5.0);
+
+/// `(psi', R omega'/(mu v_n))` of test 5 at `psi` before.
+pub(crate) fn psi_after(m: &Material, psi: f64) -> (f64, f64) {
+    let (mu, v_n) = TEST_5;
+    let pair = m.on_rigid();
+    let body = Body::solid_sphere(10e-6, m.rho).with_velocity(DVec3::new(v_n, psi * mu * v_n, 0.0));
+    on_plane(rough(&pair, 1.0, mu), &pair, body).map_or((f64::NAN, f64::NAN), |h| {
+        let spin = h.i.spin.z * body.radius;
+        ((h.i.velocity.y + spin) / (mu * v_n), spin / (mu * v_n))
+    })
+}
+
+/// The same by our own scalar integration.
+pub(crate) fn runge_kutta_psi(m: &Material, psi: f64) -> (f64, f64) {
+    let (mu, v_n) = TEST_5;
+    let body = Body::solid_sphere(10e-6, m.rho);
+    runge_kutta(&m.on_rigid(), &body, v_n, psi * mu * v_n, mu)
+}
+
 fn test_5(checks: &mut Vec<Check>) {
-    let (mu, v_n) = (0.3, 5.0);
     for m in [STEEL, POLYETHYLENE] {
-        let pair = m.on_rigid();
         for psi in [0.1, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 5.5, 6.5, 8.0, 10.0, 14.0] {
-            let body = Body::solid_sphere(10e-6, m.rho).with_velocity(DVec3::new(
-                v_n,
-                psi * mu * v_n,
-                0.0,
-            ));
-            let hit = on_plane(rough(&pair, 1.0, mu), &pair, body);
-            let (slip, spin) = hit.map_or((f64::NAN, f64::NAN), |h| {
-                let spin = h.i.spin.z * body.radius;
-                ((h.i.velocity.y + spin) / (mu * v_n), spin / (mu * v_n))
-            });
+            let (slip, spin) = psi_after(&m, psi);
             let case = format!("Chung-Ooi 5, {}, psi = {psi}", m.name);
             let (held, want) = if psi >= 6.5 {
                 (SLIDING, (psi - 7.0, -5.0))
             } else {
-                (STICKING, runge_kutta(&pair, &body, v_n, psi * mu * v_n, mu))
+                (STICKING, runge_kutta_psi(&m, psi))
             };
             checks.push(held.of_scale(&case, "psi'", want.0, slip, 7.0));
             checks.push(held.of_scale(&case, "R omega'/(mu v_n)", want.1, spin, 5.0));
@@ -172,6 +190,17 @@ fn spinning(
             1.0,
         ));
     }
+}
+
+/// `beta` of test 6 at `s`.
+pub(crate) fn spinning_beta(m: &Material, s: f64) -> f64 {
+    let (mu, e, v_n, radius) = (0.4, 0.5, 0.2, 0.1);
+    let omega = 3.5 * mu * (1.0 + e) * v_n / (radius * s);
+    let body =
+        Body::solid_sphere(radius, m.rho).with_velocity(DVec3::X * v_n).with_spin(DVec3::Z * omega);
+    let pair = m.on_rigid();
+    on_plane(rough(&pair, e, mu), &pair, body)
+        .map_or(f64::NAN, |hit| -(hit.i.velocity.y + hit.i.spin.z * radius) / (omega * radius))
 }
 
 fn test_7(checks: &mut Vec<Check>) {

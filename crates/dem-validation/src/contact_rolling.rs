@@ -16,10 +16,10 @@ use dem_core::impact::{Body, Partner, Settings, TwoBody};
 use crate::laws::coulomb;
 use crate::{Check, Held};
 
-type Model<R> = ContactModel<LinearTailCut, LinearSpring, R, Cohesionless>;
+pub(crate) type Model<R> = ContactModel<LinearTailCut, LinearSpring, R, Cohesionless>;
 
 /// A sphere of radius `r` (m) at rest on the plane, at the overlap that bears its weight.
-fn resting<R: RollingLaw>(
+pub(crate) fn resting<R: RollingLaw>(
     rolling: R,
     body: Body,
     k: f64,
@@ -88,14 +88,15 @@ fn incline(checks: &mut Vec<Check>) {
 }
 
 const RATIO: f64 = 0.05;
-const ARM: RollingArm = RollingArm { length: 0.0, ratio: RATIO };
-const VISCOUS: ViscousCapped = ViscousCapped { arm: ARM, viscosity: 1e-6, viscosity_per_load: 0.0 };
+pub(crate) const ARM: RollingArm = RollingArm { length: 0.0, ratio: RATIO };
+pub(crate) const VISCOUS: ViscousCapped =
+    ViscousCapped { arm: ARM, viscosity: 1e-6, viscosity_per_load: 0.0 };
 
-fn marble() -> Body {
+pub(crate) fn marble() -> Body {
     Body::solid_sphere(5e-3, 2500.0)
 }
 
-fn on_level<R: RollingLaw>(rolling: R, velocity: f64, spin: f64) -> TwoBody<Model<R>> {
+pub(crate) fn on_level<R: RollingLaw>(rolling: R, velocity: f64, spin: f64) -> TwoBody<Model<R>> {
     let body = marble().with_velocity(DVec3::Y * velocity).with_spin(DVec3::Z * -spin);
     resting(rolling, body, 1e4, 0.5, DVec3::X * 9.81, 2e-5)
 }
@@ -134,7 +135,7 @@ fn decay(checks: &mut Vec<Check>) {
     checks.push(HELD.absolute(case, quantity("free rolling"), 0.0, deceleration(FreeRolling)));
 }
 
-fn spring_dashpot() -> RollingSpringDashpot {
+pub(crate) fn spring_dashpot() -> RollingSpringDashpot {
     RollingSpringDashpot { arm: ARM, stiffness: 0.0, stiffness_ratio: 2.25, damping_ratio: 0.3 }
 }
 

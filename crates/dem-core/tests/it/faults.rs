@@ -156,3 +156,18 @@ fn unknown_numbers_are_refused_after_building() {
     let bad = Motion::rotating(DVec3::ZERO, DVec3::ZERO, 1.0);
     assert!(w.set_wall_motion(0, bad).is_err());
 }
+
+#[test]
+fn the_time_step_is_limited_by_what_particles_are_made_of_not_by_walls() {
+    // A step that soft beads allow; in steel of their size the Rayleigh time is 50 times shorter.
+    let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3, density: 7800.0 };
+    let (mut b, m) = one_material(7e-5);
+    let wall = b.material(steel);
+    b.pair_law(m, wall, model(0.5, 0.9, 0.0)).pair_law(wall, wall, model(0.5, 0.9, 0.0));
+    b.wall(Wall::plane(DVec3::NEG_Z * 0.05, DVec3::Z, wall));
+    b.sphere(Sphere::at(DVec3::ZERO, 3e-3, m));
+    assert!(b.build().is_ok());
+    // Each material counts with its own smallest sphere.
+    b.sphere(Sphere::at(DVec3::X * 0.05, 6e-3, wall));
+    assert!(b.build().unwrap_err().to_string().contains("Rayleigh"));
+}

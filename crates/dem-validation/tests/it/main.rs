@@ -52,6 +52,10 @@ group! {
     falling_spheres_match_the_piecewise_solution: contact_free_fall;
     rolling_and_sliding_on_a_plane_match_rigid_body_mechanics: contact_rolling;
     compatibility_laws_break_what_they_are_said_to_break: contact_compatibility;
+    the_engine_returns_the_restitution_asked_on_every_wall: engine_restitution;
+    energy_walks_and_never_drifts: engine_energy;
+    a_free_body_flips_at_the_period_of_the_elliptic_integral: engine_rigid;
+    no_scene_breaks_the_invariants: engine_invariants;
     the_engine_drops_bounces_and_squeezes_like_the_equations: engine_drops;
     integrators_converge_with_their_order: engine_order;
     the_engine_slips_and_rolls_like_rigid_bodies: engine_rolling;

@@ -1,0 +1,185 @@
+//! The soft drum of Dosta et al. 2024: frozen counts of Tumble and LIGGGHTS.
+
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use calib_report::Picture as _;
+use calib_report::pictures::{ChartAxis, ChartPoint, ChartSeries, LineChart, SeriesStyle};
+use dem_validation::Held;
+
+use super::{Picture, Section};
+use crate::dosta::counts::{Moment, QUADRANTS, parse};
+
+/// Name of the section.
+pub(crate) const NAME: &str = "bulk_dosta";
+
+/// The section and what is to be said before its plots.
+pub(crate) struct Bulk {
+    pub(crate) section: Section,
+    pub(crate) notes: String,
+}
+
+const NOTES: &str = "\
+Drum of 0.1 m radius and 60 mm length, 2 rad/s; 30 000 spheres of 2 mm (M1: 2 MPa, 2500 kg/m3) and \
+8000 of 4 mm (M2: 1 MPa, 2000 kg/m3) in steel, 5 s (Dosta et al. 2024, doi:10.1016/j.cpc.2023.109066, \
+soft variant). Both species start side by side (M1 at +x) and at rest in a packing that Tumble settled \
+from a seed; quadrants are signs of x and z, gravity along -z, turning about +y.\n\n\
+The tables under `fixtures/validation/dosta` are frozen; `cargo xtask dosta --seed N --freeze` and \
+`cargo xtask dosta --seed 1 --liggghts --freeze` write them anew (deck: `benches/peers/dosta.lig`, \
+LIGGGHTS-PUBLIC 3.8). What is the same in both codes: moduli mixed as 1/E* = sum of (1 - nu^2)/E, Hertz \
+with its attractive tail kept (LIGGGHTS' default), shear spring of the whole displacement times the \
+present stiffness (LIGGGHTS' `tangential history`, our `MindlinTotalSpring`), shear damping, no rolling \
+friction, end plates that turn. What differs: LIGGGHTS damps with the velocity of the middle of the step, \
+takes |F_n| with its tail as Coulomb's load, adds shear damping outside Coulomb's limit, and sees the \
+mantle as a plane in Hertz's law.\n\n\
+The step is 5e-5 s, 0.26 of the Rayleigh time, not the published 1e-4 s (0.53): at 1e-4 s a bed at rest is \
+kept in motion by the step itself in both codes (mean spin after 0.3 s without turning: LIGGGHTS 9.7 rad/s, \
+Tumble 27 rad/s; at 5e-5 s 0.1 rad/s in both and falling).\n\n";
+
+fn read(root: &Path, name: &str) -> anyhow::Result<Vec<Moment>> {
+    let path = crate::dosta::frozen(root).join(format!("{name}.csv"));
+    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    parse(&text).with_context(|| path.display().to_string())
+}
+
+/// Counts of one species in one quadrant against time.
+fn series(moments: &[Moment], species: usize, quadrant: usize) -> Vec<f64> {
+    moments.iter().map(|m| f64::from(m.counts[species][quadrant])).collect()
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let n = values.len() as f64;
+    values.sum::<f64>() / n
+}
+
+fn rms(a: &[f64], b: &[f64]) -> f64 {
+    mean(a.iter().zip(b).map(|(a, b)| (a - b).powi(2))).sqrt()
+}
+
+/// Compare the frozen tables.
+pub(crate) fn section(root: &Path) -> anyhow::Result<Bulk> {
+    let seeds = [1, 2, 3].map(|seed| read(root, &format!("tumble-{seed}")));
+    let [one, two, three] = seeds;
+    let seeds = [one?, two?, three?];
+    let peer = read(root, "liggghts-1")?;
+    for table in seeds.iter().chain([&peer]) {
+        let same = table.iter().zip(&peer).all(|(a, b)| (a.time - b.time).abs() < 1e-9);
+        ensure!(table.len() == peer.len() && same, "tables of counts differ in their times");
+    }
+    ensure!(seeds[0][0].counts == peer[0].counts, "Tumble and LIGGGHTS have different starts");
+    let mut section = Section {
+        name: NAME,
+        title: "Rotating drum of two species (Dosta et al. 2024, soft)",
+        checks: Vec::new(),
+        pictures: Vec::new(),
+    };
+    for (species, name) in ["M1", "M2"].into_iter().enumerate() {
+        compare(&seeds, &peer, species, name, &mut section);
+        section.pictures.push(picture(&seeds, &peer, species, name));
+    }
+    Ok(Bulk { section, notes: NOTES.to_owned() })
+}
+
+fn compare(
+    seeds: &[Vec<Moment>; 3],
+    peer: &[Moment],
+    species: usize,
+    name: &str,
+    section: &mut Section,
+) {
+    const COUNT: Held = Held {
+        tolerance: 0.03,
+        reason: "relative to the species' number of spheres; paths diverge, counts must not",
+        source: "LIGGGHTS-PUBLIC 3.8 from the same start file",
+    };
+    const MEAN: Held = Held {
+        tolerance: 0.03,
+        reason: "relative to the count; quadrants that hold 5 % of the species or more",
+        source: COUNT.source,
+    };
+    const SCATTER: Held = Held {
+        tolerance: 0.0,
+        reason: "a bound: the largest such difference between two of three seeds",
+        source: "Tumble from three starts",
+    };
+    let total: f64 = f64::from(peer[0].counts[species].iter().sum::<u32>());
+    let case = format!("{name}, start 1");
+    for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
+        let ours = series(&seeds[0], species, quadrant);
+        let theirs = series(peer, species, quadrant);
+        let (worst, _) = ours
+            .iter()
+            .zip(&theirs)
+            .map(|(a, b)| (a - b).abs())
+            .enumerate()
+            .fold((0, -1.0), |best, (k, d)| if d > best.1 { (k, d) } else { best });
+        section.checks.push(COUNT.of_scale(
+            &case,
+            format!("count in {place} at {:.2} s, where it differs most", peer[worst].time),
+            theirs[worst],
+            ours[worst],
+            total,
+        ));
+    }
+    for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
+        let ours = mean(series(&seeds[0], species, quadrant).into_iter());
+        let theirs = mean(series(peer, species, quadrant).into_iter());
+        if theirs >= 0.05 * total {
+            let quantity = format!("count in {place}, mean of 5 s");
+            section.checks.push(MEAN.relative(&case, quantity, theirs, ours));
+        }
+    }
+    for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
+        let of = |table: &[Moment]| series(table, species, quadrant);
+        let [a, b, c] = [of(&seeds[0]), of(&seeds[1]), of(&seeds[2])];
+        let scatter = rms(&a, &b).max(rms(&a, &c)).max(rms(&b, &c));
+        section.checks.push(SCATTER.at_most(
+            &case,
+            format!("root mean square difference of the counts in {place}"),
+            scatter,
+            rms(&a, &of(peer)),
+        ));
+    }
+}
+
+fn picture(seeds: &[Vec<Moment>; 3], peer: &[Moment], species: usize, name: &str) -> Picture {
+    let mut chart = LineChart {
+        title: format!("{name}: spheres in each quadrant"),
+        x: ChartAxis::new("time (s)"),
+        y: ChartAxis::new("spheres"),
+        ..LineChart::default()
+    };
+    for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
+        let all: Vec<Vec<f64>> = seeds.iter().map(|s| series(s, species, quadrant)).collect();
+        let line = seeds[0].iter().enumerate().map(|(k, m)| {
+            let now = || all.iter().map(|s| s[k]);
+            let interval =
+                (now().fold(f64::INFINITY, f64::min), now().fold(f64::NEG_INFINITY, f64::max));
+            ChartPoint { x: m.time, y: all[0][k], interval: Some(interval) }
+        });
+        chart.series.push(ChartSeries {
+            name: format!("{place}, Tumble"),
+            style: SeriesStyle::Line,
+            points: line.collect(),
+        });
+    }
+    for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
+        let points = peer
+            .iter()
+            .step_by(5)
+            .map(|m| ChartPoint::from((m.time, f64::from(m.counts[species][quadrant]))));
+        chart.series.push(ChartSeries {
+            name: format!("{place}, LIGGGHTS"),
+            style: SeriesStyle::Points,
+            points: points.collect(),
+        });
+    }
+    Picture {
+        file: format!("dosta-{}.svg", name.to_lowercase()),
+        title: format!("Species {name} in each quadrant against time"),
+        caption: "Lines: Tumble from start 1, with the range of three starts as a band; points: \
+                  LIGGGHTS from start 1."
+            .to_owned(),
+        svg: chart.svg(),
+    }
+}
