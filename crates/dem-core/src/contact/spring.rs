@@ -115,7 +115,7 @@ fn small_sin_cos(x: f64) -> (f64, f64) {
         return x.sin_cos();
     }
     let x2 = x * x;
-    let t = 0.5 * x * (1.0 + x2 * (1.0 / 12.0 + x2 / 120.0));
+    let t = 0.5 * x * (1.0 + x2 * (1.0 / 12.0 + x2 * (1.0 / 120.0)));
     let scale = 1.0 / (1.0 + t * t);
     (2.0 * t * scale, (1.0 - t * t) * scale)
 }

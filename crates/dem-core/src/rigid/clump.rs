@@ -163,11 +163,9 @@ pub(crate) fn principal_axes(tensor: DMat3) -> (DVec3, DMat3) {
                 row[p] = c * x - s * y;
                 row[q] = s * x + c * y;
             }
-            for k in 0..3 {
-                let (x, y) = (a[p][k], a[q][k]);
-                a[p][k] = c * x - s * y;
-                a[q][k] = s * x + c * y;
-            }
+            let (x, y) = (DVec3::from_array(a[p]), DVec3::from_array(a[q]));
+            a[p] = (x * c - y * s).to_array();
+            a[q] = (x * s + y * c).to_array();
             for row in &mut v {
                 let (x, y) = (row[p], row[q]);
                 row[p] = c * x - s * y;

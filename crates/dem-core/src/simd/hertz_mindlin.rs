@@ -134,9 +134,42 @@ fn limit<V: Lanes>(trial: V3<V>, threshold: V) -> (V3<V>, u8) {
     (scaled.select(slides, trial), slides)
 }
 
+/// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
+/// matter.
+#[inline(always)]
+fn small_sin_cos<V: Lanes>(x: V, used: u8) -> (V, V) {
+    let one = V::splat(1.0);
+    let x2 = x * x;
+    let series = one + x2 * (V::splat(1.0 / 12.0) + x2 * V::splat(1.0 / 120.0));
+    let t = V::splat(0.5) * x * series;
+    let scale = one / (one + t * t);
+    let (sin, cos) = (V::splat(2.0) * t * scale, (one - t * t) * scale);
+    let large = V::splat(0.1).less(x.abs()) & used;
+    if large == 0 { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
+}
+
+/// The lanes of large twists by the library's functions.
+#[inline(always)]
+fn large_sin_cos<V: Lanes>(x: V, sin: V, cos: V, large: u8) -> (V, V) {
+    let (mut angles, mut sines, mut cosines) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+    x.store(&mut angles);
+    sin.store(&mut sines);
+    cos.store(&mut cosines);
+    for lane in (0..8).filter(|l| large >> l & 1 != 0) {
+        (sines[lane], cosines[lane]) = angles[lane].sin_cos();
+    }
+    (V::load(&sines), V::load(&cosines))
+}
+
 /// The laws.
 #[inline(always)]
-fn respond<V: Lanes>(m: &Motion<V>, laws: &Laws<V>, old: V3<V>, old_stiffness: V) -> Out<V> {
+fn respond<V: Lanes>(
+    m: &Motion<V>,
+    laws: &Laws<V>,
+    old: V3<V>,
+    old_stiffness: V,
+    touching: u8,
+) -> Out<V> {
     let (zero, n) = (V::splat(0.0), m.normal);
     let tiny = V::splat(f64::MIN_POSITIVE);
     // Transport of the spring with the contact frame.
@@ -144,11 +177,7 @@ fn respond<V: Lanes>(m: &Motion<V>, laws: &Laws<V>, old: V3<V>, old_stiffness: V
     let (flat2, size2) = (flat.dot(flat), old.dot(old));
     let alive = zero.less(flat2);
     let flat = flat * (size2 / flat2).sqrt();
-    let half = m.twist * V::splat(0.5);
-    let square = half * half;
-    let inverse = V::splat(1.0) / (V::splat(1.0) + square);
-    let cos = (V::splat(1.0) - square) * inverse;
-    let sin = m.twist * inverse;
+    let (sin, cos) = small_sin_cos(m.twist, touching & alive);
     let carried = (flat * cos + n.cross(flat) * sin).select(alive, V3::splat(0.0));
     // Hertz.
     let delta = m.overlap.max(zero);
@@ -186,16 +215,16 @@ fn respond<V: Lanes>(m: &Motion<V>, laws: &Laws<V>, old: V3<V>, old_stiffness: V
 
 impl PairKernel<'_> {
     /// Compute a run of touching pairs.
-    pub(crate) fn touching(&self, level: Level, run: Run<'_>, into: &mut ChunkYield) {
+    pub(crate) fn touching(&self, level: Level, run: &mut Run<'_>, into: &mut ChunkYield) {
         #[cfg(target_arch = "x86_64")]
         {
             #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
-            unsafe fn avx512(k: &PairKernel<'_>, run: Run<'_>, into: &mut ChunkYield) {
+            unsafe fn avx512(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe { k.blocks::<super::avx::Wide>(run, into) }
             }
             #[target_feature(enable = "avx2")]
-            unsafe fn avx2(k: &PairKernel<'_>, run: Run<'_>, into: &mut ChunkYield) {
+            unsafe fn avx2(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe { k.blocks::<super::avx::Pair>(run, into) }
             }
@@ -252,7 +281,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in the run is that of a sphere.
     #[inline(always)]
-    unsafe fn blocks<V: Lanes>(&self, run: Run<'_>, into: &mut ChunkYield) {
+    unsafe fn blocks<V: Lanes>(&self, run: &mut Run<'_>, into: &mut ChunkYield) {
         let (first, _) = run.first.as_chunks::<8>();
         let (second, _) = run.second.as_chunks::<8>();
         let (active, _) = run.active.as_chunks_mut::<8>();
@@ -376,7 +405,7 @@ impl PairKernel<'_> {
             dt,
         };
         let (old, old_stiffness) = load_memory::<V>(b.memory);
-        let out = respond(&motion, &laws, old, old_stiffness);
+        let out = respond(&motion, &laws, old, old_stiffness, touching);
         store(b, touching, &out);
     }
 }
