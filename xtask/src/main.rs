@@ -1,7 +1,8 @@
-//! House tasks: `ci`, `tidy`, `reproduce`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `peers`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod ci;
+mod peers;
 mod reproduce;
 mod tidy;
 
@@ -29,6 +30,14 @@ enum Task {
         #[arg(long)]
         json: bool,
     },
+    /// Tumble beside LAMMPS and LIGGGHTS on the same drum; see docs/performance.md.
+    Peers(peers::Peers),
+    /// One timed run of Tumble (started by `peers`).
+    #[command(hide = true)]
+    PeersWorker(peers::Worker),
+    /// Memory of one run of Tumble (started by `peers --memory`).
+    #[command(hide = true)]
+    PeersMemoryWorker(peers::MemoryWorker),
 }
 
 fn main() -> ExitCode {
@@ -36,6 +45,9 @@ fn main() -> ExitCode {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
         Task::Reproduce { json } => reproduce::run(json),
+        Task::Peers(options) => peers::run(&options),
+        Task::PeersWorker(work) => peers::run_worker(&work),
+        Task::PeersMemoryWorker(work) => peers::run_memory_worker(&work),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
