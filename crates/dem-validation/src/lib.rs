@@ -15,12 +15,15 @@ pub mod contact_linear;
 pub mod contact_oblique;
 pub mod contact_restitution;
 pub mod contact_rolling;
+pub mod engine_drops;
+pub mod engine_order;
+pub mod engine_rolling;
 
 pub use check::{Check, Held};
 
 /// Every check of every group.
 pub fn all() -> Vec<Check> {
-    let groups: [fn() -> Vec<Check>; 8] = [
+    let groups: [fn() -> Vec<Check>; 11] = [
         contact_hertz::cases,
         contact_restitution::cases,
         contact_oblique::cases,
@@ -29,6 +32,9 @@ pub fn all() -> Vec<Check> {
         contact_free_fall::cases,
         contact_rolling::cases,
         contact_compatibility::cases,
+        engine_drops::cases,
+        engine_order::cases,
+        engine_rolling::cases,
     ];
     groups.into_iter().flat_map(|cases| cases()).collect()
 }

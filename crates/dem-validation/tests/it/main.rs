@@ -52,4 +52,7 @@ group! {
     falling_spheres_match_the_piecewise_solution: contact_free_fall;
     rolling_and_sliding_on_a_plane_match_rigid_body_mechanics: contact_rolling;
     compatibility_laws_break_what_they_are_said_to_break: contact_compatibility;
+    the_engine_drops_bounces_and_squeezes_like_the_equations: engine_drops;
+    integrators_converge_with_their_order: engine_order;
+    the_engine_slips_and_rolls_like_rigid_bodies: engine_rolling;
 }
