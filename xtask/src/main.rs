@@ -1,9 +1,11 @@
-//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`,
+//! `scratch`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod ci;
 mod dosta;
 mod reproduce;
+mod scratch;
 mod tidy;
 mod validate;
 
@@ -35,6 +37,8 @@ enum Task {
         #[arg(long)]
         json: bool,
     },
+    /// A program outside the workspace that depends on dem-core alone: size, build time, a run.
+    Scratch,
     /// The soft drum of Dosta et al. 2024 from a start file, in Tumble or LIGGGHTS.
     Dosta(dosta::Options),
 }
@@ -50,6 +54,7 @@ fn main() -> anyhow::Result<()> {
         Task::Tidy => tidy::run(),
         Task::Reproduce { json } => reproduce::run(json),
         Task::Validate { json } => validate::run(json),
+        Task::Scratch => scratch::run(),
         Task::Dosta(options) => dosta::run(&options),
     }
 }

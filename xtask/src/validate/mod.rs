@@ -38,7 +38,7 @@ pub(crate) fn run(json: bool) -> anyhow::Result<()> {
     let bulk = bulk::section(&root)?;
     let faults = faults::rows(&root)?;
     sections.push(bulk.section);
-    write(&root, &markdown::page(&sections, &bulk.notes, &faults), &sections)?;
+    write(&root, &markdown::page(&sections, &bulk.notes, faults), &sections)?;
     let checks: Vec<&Check> = sections.iter().flat_map(|s| &s.checks).collect();
     let failed: Vec<&&Check> = checks.iter().filter(|c| !c.pass).collect();
     if json {
