@@ -1,7 +1,8 @@
 //! Time of a particle-step on a settled, turning drum like configuration AZ1.
 //!
 //! 7807 beads of 6 mm in a drum of 250 x 150 mm at 17 rpm, time step 70 us; Hertz, Mindlin with
-//! history, damping, constant rolling torque. Arguments: threads, steps, skin in mm.
+//! history, damping, constant rolling torque. Arguments: threads, steps, skin in mm, beads,
+//! settling steps; the word `fast` anywhere for fast roots.
 #![expect(clippy::print_stdout, reason = "a bench reports by printing")]
 
 use std::time::Instant;
@@ -40,7 +41,7 @@ fn main() {
     let arguments: Vec<f64> = std::env::args().skip(1).filter_map(|a| a.parse().ok()).collect();
     let argument = |k: usize, default: f64| arguments.get(k).copied().unwrap_or(default);
     let (threads, steps) = (argument(0, 1.0) as usize, argument(1, 4000.0) as u64);
-    let skin = argument(2, 0.75) * 1e-3;
+    let skin = argument(2, 1.25) * 1e-3;
     let count = argument(3, 7807.0) as usize;
     let settle = argument(4, 14000.0) as u64;
     let material = Material::from_shear_modulus(2.52e7, 0.29, 2500.0);
@@ -49,6 +50,8 @@ fn main() {
     let (bead, wall) = (b.material(material), b.material(material));
     b.pair_law(bead, bead, law(&material, 0.5)).pair_law(bead, wall, law(&material, 0.6));
     b.gravity(DVec3::NEG_Y * 9.81).threads(threads).skin(skin);
+    let fast = std::env::args().any(|a| a == "fast");
+    b.kernels(if fast { Kernels::FastRoots } else { Kernels::Fastest });
     b.domain(DVec3::new(-0.2, -0.2, -0.01), DVec3::new(0.2, 0.2, length + 0.01));
     let turning = Motion::rotating(DVec3::ZERO, DVec3::Z, 17.0 * std::f64::consts::TAU / 60.0);
     let drum = b.wall(Wall::drum(DVec3::ZERO, DVec3::Z, radius, wall).with_motion(turning));

@@ -147,6 +147,7 @@ pub(crate) fn wall_contacts<M: ContactLaw>(
     }
     #[cfg(not(feature = "mesh"))]
     let _ = make;
+    let contact_only = context.gap_forces.is_empty();
     let mesh_nearest = &s.mesh_nearest;
     let (sphere, wall) = (&walls.sphere, &walls.wall);
     for_each_chunk!(threads, |c|
@@ -163,8 +164,15 @@ pub(crate) fn wall_contacts<M: ContactLaw>(
         for k in 0..active.len() {
             let e = c * CHUNK + k;
             let (a, w) = (sphere[e], wall[e]);
-            let x = context.spheres.position[a as usize].vector();
-            let analytic = context.walls[w as usize].nearest(x);
+            let centre = &context.spheres.position[a as usize];
+            let (x, placed) = (centre.vector(), &context.walls[w as usize]);
+            if active[k] == 0 && contact_only && placed.misses(x, centre.w) {
+                force[k] = Record::default();
+                torque[k] = Record::default();
+                on_wall[k] = Record::default();
+                continue;
+            }
+            let analytic = placed.nearest(x);
             let nearest = analytic.or_else(|| mesh_nearest.get(e).copied().flatten());
             let wrench = nearest
                 .and_then(|n| context.wall(a, w, &n, k, &mut active[k], &mut memory, into))

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::{Collect, near_pairs, sum_all, sum_late, touching_pairs, wall_contacts};
+use crate::energy::Flow;
 use crate::error::Error;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
@@ -235,7 +236,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 ledger,
             }
         };
-        let fast = if ledger { None } else { self.make.fast.as_deref() };
+        // The portable kernel books energies and gives the same bits, unless roots are fast.
+        let fast_roots = self.make.fast_roots;
+        let fast = self.make.fast.as_deref().filter(|_| !ledger || fast_roots);
         let only = self.make.one_material.map(|m| m * self.make.materials.len() + m);
         let level = self.make.level;
         let vector = fast.map(|all| crate::simd::PairKernel {
@@ -246,9 +249,19 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             period: context.period,
             dt,
             overlap_limit: context.overlap_limit,
+            fast_roots,
         });
         let vector = vector.as_ref().map(|kernel| (level, kernel));
+        // With fast roots a copy of the contacts is booked, and the contacts go their own way.
+        let mut booked = Flow::default();
+        if ledger && vector.is_some() {
+            touching_pairs(&context, None, threads, &mut pairs.clone(), &mut s);
+            s.pair_yield.iter().for_each(|y| booked.add(&y.flow));
+        }
         touching_pairs(&context, vector, threads, &mut pairs, &mut s);
+        if let Some(first) = s.pair_yield.first_mut() {
+            first.flow.add(&booked);
+        }
         near_pairs(&context, vector, threads, &mut pairs, &mut s);
         wall_contacts(&context, &self.make, threads, &mut walls, &mut s);
         sum_late(&mut s, context.spheres.position.len());
@@ -294,7 +307,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         turn in b.angular_memory, CHUNK;
         result in chunks, 1
         => {
-            let mut flow = crate::energy::Flow::default();
+            let mut flow = Flow::default();
             widened(level, #[inline(always)] || {
             for k in 0..velocity.len() {
                 let g = c * CHUNK + k;

@@ -173,6 +173,31 @@ impl PlacedWall {
         };
     }
 
+    /// Whether a sphere of `radius` at `x` surely does not touch an analytic shape: no root.
+    #[inline(always)]
+    pub(crate) fn misses(&self, x: DVec3, radius: f64) -> bool {
+        match &self.shape {
+            PlacedShape::Plane(p) => (x - p.point).dot(p.normal) > radius,
+            PlacedShape::Cylinder(c) => {
+                let d = x - c.point;
+                let along = d.dot(c.axis);
+                let rho2 = d.length_squared() - along * along;
+                match c.side {
+                    // A margin of rounding: a cylinder's edge is decided by the exact distance.
+                    Side::Inside => {
+                        c.length.is_none()
+                            && radius < c.radius
+                            && rho2 < (c.radius - radius).powi(2) * (1.0 - 1e-12)
+                    }
+                    Side::Outside => rho2 > (c.radius + radius).powi(2) * (1.0 + 1e-12),
+                }
+            }
+            PlacedShape::Disc(d) => (x - d.centre).dot(d.normal).abs() > radius,
+            #[cfg(feature = "mesh")]
+            PlacedShape::Mesh => false,
+        }
+    }
+
     /// Nearest point of an analytic shape; `None` for a mesh, which has its own search.
     #[inline]
     pub(crate) fn nearest(&self, x: DVec3) -> Option<Nearest> {

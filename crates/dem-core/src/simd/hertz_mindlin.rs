@@ -54,6 +54,8 @@ pub(crate) struct PairKernel<'a> {
     pub(crate) period: Option<crate::neighbour::Period>,
     pub(crate) dt: f64,
     pub(crate) overlap_limit: f64,
+    /// Whether roots may be off in the last places.
+    pub(crate) fast_roots: bool,
 }
 
 /// Constants of eight contacts.
@@ -67,6 +69,9 @@ struct Laws<V> {
     arm_length: V,
     arm_ratio: V,
     least_force: V,
+    /// Roots of `2 E*` and `8 G*`.
+    normal_root: V,
+    shear_root: V,
 }
 
 impl<V: Lanes> Laws<V> {
@@ -91,6 +96,8 @@ impl<V: Lanes> Laws<V> {
             arm_length: make(|c| c.arm_length),
             arm_ratio: make(|c| c.arm_ratio),
             least_force: make(|c| c.least_force),
+            normal_root: make(|c| (2.0 * c.e_star).sqrt()),
+            shear_root: make(|c| (8.0 * c.g_star).sqrt()),
         }
     }
 }
@@ -124,26 +131,42 @@ struct Out<V> {
 
 /// Hold `trial` to the limit; returns it and the lanes that slide.
 #[inline(always)]
-fn limit<V: Lanes>(trial: V3<V>, threshold: V) -> (V3<V>, u8) {
+fn limit<V: Lanes, const FAST: bool>(trial: V3<V>, threshold: V) -> (V3<V>, u8) {
     let size2 = trial.dot(trial);
     let slides = (threshold * threshold).less(size2);
     if slides == 0 {
         return (trial, 0);
     }
-    let scaled = trial * (threshold / size2.sqrt());
+    let scaled = if FAST {
+        trial * (threshold * size2.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root())
+    } else {
+        trial * (threshold / size2.sqrt())
+    };
     (scaled.select(slides, trial), slides)
+}
+
+/// Root of numbers that are not negative.
+#[inline(always)]
+fn root<V: Lanes, const FAST: bool>(x: V) -> V {
+    if FAST { x * x.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root() } else { x.sqrt() }
 }
 
 /// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
 /// matter.
 #[inline(always)]
-fn small_sin_cos<V: Lanes>(x: V, used: u8) -> (V, V) {
+fn small_sin_cos<V: Lanes, const FAST: bool>(x: V, used: u8) -> (V, V) {
     let one = V::splat(1.0);
     let x2 = x * x;
     let series = one + x2 * (V::splat(1.0 / 12.0) + x2 * V::splat(1.0 / 120.0));
     let t = V::splat(0.5) * x * series;
-    let scale = one / (one + t * t);
-    let (sin, cos) = (V::splat(2.0) * t * scale, (one - t * t) * scale);
+    let square = t * t;
+    let scale = if FAST {
+        // The series to the fifth power: the rest is below 3e-16 for twists up to 0.1 rad.
+        one - square * (one - square * (one - square * (one - square * (one - square))))
+    } else {
+        one / (one + square)
+    };
+    let (sin, cos) = (V::splat(2.0) * t * scale, (one - square) * scale);
     let large = V::splat(0.1).less(x.abs()) & used;
     if large == 0 { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
 }
@@ -163,7 +186,7 @@ fn large_sin_cos<V: Lanes>(x: V, sin: V, cos: V, large: u8) -> (V, V) {
 
 /// The laws.
 #[inline(always)]
-fn respond<V: Lanes>(
+fn respond<V: Lanes, const FAST: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
     old: V3<V>,
@@ -176,33 +199,45 @@ fn respond<V: Lanes>(
     let flat = old - n * old.dot(n);
     let (flat2, size2) = (flat.dot(flat), old.dot(old));
     let alive = zero.less(flat2);
-    let flat = flat * (size2 / flat2).sqrt();
-    let (sin, cos) = small_sin_cos(m.twist, touching & alive);
+    let flat = if FAST {
+        flat * (size2 * (size2 * flat2).max(tiny).reciprocal_root())
+    } else {
+        flat * (size2 / flat2).sqrt()
+    };
+    let (sin, cos) = small_sin_cos::<V, FAST>(m.twist, touching & alive);
     let carried = (flat * cos + n.cross(flat) * sin).select(alive, V3::splat(0.0));
     // Hertz.
     let delta = m.overlap.max(zero);
-    let a = (m.r_star * delta).sqrt();
+    let a = root::<V, FAST>(m.r_star * delta);
     let stiffness = V::splat(2.0) * laws.e_star * a;
     let elastic = V::splat(2.0 / 3.0) * stiffness * delta;
-    let viscous = laws.normal_damping * (m.m_star * stiffness).sqrt() * m.rate;
+    // Both dashpots go with the root of mass times contact radius.
+    let inertia = if FAST { root::<V, true>(m.m_star * a) } else { V::splat(0.0) };
+    let normal_root = if FAST { inertia * laws.normal_root } else { (m.m_star * stiffness).sqrt() };
+    let viscous = laws.normal_damping * normal_root * m.rate;
     let normal = (elastic + viscous).max(laws.least_force);
     let load = normal.max(zero);
     // Mindlin.
     let k = V::splat(8.0) * laws.g_star * a;
-    let dashpot = laws.shear_damping * (m.m_star * k).sqrt();
+    let shear_root = if FAST { inertia * laws.shear_root } else { (m.m_star * k).sqrt() };
+    let dashpot = laws.shear_damping * shear_root;
     let share = (k / old_stiffness.abs().max(tiny)).min(V::splat(1.0));
     let trial = carried * share - (m.slip * m.dt) * k;
     let threshold = laws.friction * load;
-    let (spring, sliding) = limit(trial, threshold);
-    let (damped, _) = limit(spring - m.slip * dashpot, threshold);
+    let (spring, sliding) = limit::<V, FAST>(trial, threshold);
+    let (damped, _) = limit::<V, FAST>(spring - m.slip * dashpot, threshold);
     let sticks_damped = !sliding & zero.less(dashpot);
     let shear = damped.select(sticks_damped, spring);
     // Constant torque.
     let spin = m.spin_i - m.spin_j;
     let rolling = spin - n * spin.dot(n);
-    let speed = rolling.dot(rolling).sqrt();
+    let speed2 = rolling.dot(rolling);
     let arm = laws.arm_length + laws.arm_ratio * m.r_star;
-    let torque = rolling * (-(arm * load) / speed.max(tiny));
+    let torque = if FAST {
+        rolling * (-(arm * load) * speed2.max(tiny).reciprocal_root())
+    } else {
+        rolling * (-(arm * load) / speed2.sqrt().max(tiny))
+    };
     let moment = n.cross(shear);
     Out {
         force: shear - n * normal,
@@ -221,12 +256,18 @@ impl PairKernel<'_> {
             #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
             unsafe fn avx512(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.blocks::<super::avx::Wide>(run, into) }
+                unsafe {
+                    if k.fast_roots {
+                        k.blocks::<super::avx::Wide, true>(run, into);
+                    } else {
+                        k.blocks::<super::avx::Wide, false>(run, into);
+                    }
+                }
             }
             #[target_feature(enable = "avx2")]
             unsafe fn avx2(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.blocks::<super::avx::Pair>(run, into) }
+                unsafe { k.blocks::<super::avx::Pair, false>(run, into) }
             }
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
             match level {
@@ -281,7 +322,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in the run is that of a sphere.
     #[inline(always)]
-    unsafe fn blocks<V: Lanes>(&self, run: &mut Run<'_>, into: &mut ChunkYield) {
+    unsafe fn blocks<V: Lanes, const FAST: bool>(&self, run: &mut Run<'_>, into: &mut ChunkYield) {
         let (first, _) = run.first.as_chunks::<8>();
         let (second, _) = run.second.as_chunks::<8>();
         let (active, _) = run.active.as_chunks_mut::<8>();
@@ -308,7 +349,7 @@ impl PairKernel<'_> {
                 torque_second,
             };
             // SAFETY: by the caller.
-            unsafe { self.block::<V>(&mut block) };
+            unsafe { self.block::<V, FAST>(&mut block) };
             let (touching, deep) = (block.touching, block.deep);
             *active = std::array::from_fn(|lane| touching >> lane & 1);
             if deep != 0 {
@@ -331,7 +372,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in `first` and `second` of a block is that of a sphere.
     #[inline(always)]
-    unsafe fn block<V: Lanes>(&self, b: &mut Block<'_>) {
+    unsafe fn block<V: Lanes, const FAST: bool>(&self, b: &mut Block<'_>) {
         let s = &self.spheres;
         // SAFETY: by the caller.
         let (pi, pj) = unsafe { (V::gather(s.position, b.first), V::gather(s.position, b.second)) };
@@ -352,7 +393,13 @@ impl PairKernel<'_> {
             b.torque_second.fill(Record::default());
             return;
         }
-        let distance = distance_squared.sqrt();
+        let (distance, inverse) = if FAST {
+            let inverse = distance_squared.reciprocal_root();
+            (distance_squared * inverse, inverse)
+        } else {
+            let distance = distance_squared.sqrt();
+            (distance, V::splat(1.0) / distance)
+        };
         let overlap = sum - distance;
         // SAFETY: by the caller.
         let (vi, vj, wi, wj, ei, ej) = unsafe {
@@ -378,7 +425,7 @@ impl PairKernel<'_> {
         };
         let (vi, vj, wi, wj) = (V3::of(vi), V3::of(vj), V3::of(wi), V3::of(wj));
         b.deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
-        let n = d * (V::splat(1.0) / distance);
+        let n = d * inverse;
         let dt = V::splat(self.dt);
         let half = V::splat(0.5) * overlap;
         let (lever_i, lever_j) = (ri - half, rj - half);
@@ -405,7 +452,7 @@ impl PairKernel<'_> {
             dt,
         };
         let (old, old_stiffness) = load_memory::<V>(b.memory);
-        let out = respond(&motion, &laws, old, old_stiffness, touching);
+        let out = respond::<V, FAST>(&motion, &laws, old, old_stiffness, touching);
         store(b, touching, &out);
     }
 }

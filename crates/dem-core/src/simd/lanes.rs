@@ -18,6 +18,8 @@ pub(super) trait Lanes:
     fn load(from: &[f64; 8]) -> Self;
     fn store(self, to: &mut [f64; 8]);
     fn sqrt(self) -> Self;
+    /// `1 / sqrt(x)` to about two units in the last place, `x` positive and normal.
+    fn reciprocal_root(self) -> Self;
     fn abs(self) -> Self;
     /// Larger of two numbers, `other` where they cannot be compared.
     fn max(self, other: Self) -> Self;
