@@ -1,10 +1,11 @@
-//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`, `peers`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`, `peers`, `scratch`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod ci;
 mod dosta;
 mod peers;
 mod reproduce;
+mod scratch;
 mod tidy;
 mod validate;
 
@@ -38,6 +39,8 @@ enum Task {
         #[arg(long)]
         json: bool,
     },
+    /// A program outside the workspace that depends on dem-core alone: size, build time, a run.
+    Scratch,
     /// The soft drum of Dosta et al. 2024 from a start file, in Tumble or LIGGGHTS.
     Dosta(dosta::Options),
     /// Tumble beside LAMMPS and LIGGGHTS on the same drum; see docs/performance.md.
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         Task::Tidy => tidy::run(),
         Task::Reproduce { json } => reproduce::run(json),
         Task::Validate { json } => validate::run(json),
+        Task::Scratch => scratch::run(),
         Task::Dosta(options) => dosta::run(&options),
         Task::Peers(options) => peers::run(&options),
         Task::PeersWorker(work) => peers::run_worker(&work),

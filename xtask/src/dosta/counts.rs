@@ -71,3 +71,24 @@ pub(crate) fn parse(text: &str) -> anyhow::Result<Vec<Moment>> {
     }
     Ok(moments)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dosta::case::SPECIES;
+
+    #[test]
+    fn spheres_are_counted_by_species_and_quadrant() {
+        let second = SPECIES[0].count;
+        let centres = [
+            (0, DVec3::new(1.0, 0.0, 1.0)),
+            (1, DVec3::new(-1.0, 0.0, 1.0)),
+            (second, DVec3::new(-1.0, 5.0, -1.0)),
+            (second + 1, DVec3::new(1.0, -5.0, -1.0)),
+        ];
+        let moment = count(0.25, centres.into_iter());
+        assert_eq!(moment.counts, [[1, 1, 0, 0], [0, 0, 1, 1]]);
+        assert_eq!(parse(&to_csv(&[moment])).unwrap(), [moment]);
+        assert!(parse("time_s,M1\n0,1\n").is_err());
+    }
+}

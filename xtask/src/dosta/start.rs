@@ -107,7 +107,8 @@ impl Start {
 
     /// The same spheres as a data file of LIGGGHTS, coordinates in the order z, x, y.
     pub(crate) fn to_liggghts(&self) -> String {
-        let (r, y) = (1.1 * RADIUS, 0.55 * LENGTH);
+        // The box holds the corners of the end plates, too.
+        let (r, y) = (2.1 * RADIUS, 0.55 * LENGTH);
         let mut text = format!(
             "spheres at rest\n\n{} atoms\n3 atom types\n\n{} {r} xlo xhi\n{} {r} ylo yhi\n{} {y} zlo zhi\n\nAtoms\n\n",
             self.centres.len(),
@@ -131,5 +132,33 @@ impl Start {
             );
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_start_is_read_back_bit_by_bit_and_a_short_one_is_refused() {
+        let total: usize = SPECIES.iter().map(|s| s.count).sum();
+        let at = |k: usize| DVec3::new(0.1 / 3.0, k as f64 * 1e-7, -1.0 / (k as f64 + 7.0));
+        let start = Start { centres: (0..total).map(at).collect() };
+        assert_eq!(Start::parse(&start.to_text()).unwrap().centres, start.centres);
+        assert!(Start::parse("0 0 0\n").is_err());
+    }
+
+    #[test]
+    fn strewn_spheres_lie_apart_inside_their_half_of_the_drum() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let places = strewn(2e-3, -1.0, &mut random);
+        assert!(places.len() >= SPECIES[1].count);
+        for (k, p) in places.iter().enumerate() {
+            assert!(
+                p.x < -2e-3 && p.y.abs() < 0.5 * LENGTH - 2e-3 && p.x.hypot(p.z) < RADIUS - 2e-3
+            );
+            // Neighbours in the lattice are near in the list: one row across.
+            assert!(places[k + 1..].iter().take(60).all(|q| p.distance(*q) >= 4e-3));
+        }
     }
 }

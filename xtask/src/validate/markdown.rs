@@ -7,43 +7,47 @@ use dem_validation::Check;
 use super::Section;
 use super::faults::Row;
 
-/// Checks of a case and quantity family that share tolerance and source, in one table.
-fn table(page: &mut String, checks: &[Check]) {
-    let mut rest = checks;
-    while let Some(first) = rest.first() {
-        let same = |c: &Check| {
-            c.tolerance == first.tolerance
-                && c.tolerance_reason == first.tolerance_reason
-                && c.source == first.source
-        };
-        let n = rest.iter().take_while(|c| same(c)).count();
-        let (now, later) = rest.split_at(n);
-        rest = later;
-        let worst = now.iter().map(|c| c.deviation).fold(0.0, f64::max);
+/// Checks that share tolerance and source in one table, in the order of their first.
+fn tables(page: &mut String, checks: &[Check]) {
+    let same = |a: &Check, b: &Check| {
+        a.tolerance == b.tolerance
+            && a.tolerance_reason == b.tolerance_reason
+            && a.source == b.source
+    };
+    for (k, first) in checks.iter().enumerate() {
+        if !checks[..k].iter().any(|c| same(c, first)) {
+            let rows: Vec<&Check> = checks[k..].iter().filter(|c| same(c, first)).collect();
+            table(page, &rows);
+        }
+    }
+}
+
+fn table(page: &mut String, checks: &[&Check]) {
+    let worst = checks.iter().map(|c| c.deviation).fold(0.0, f64::max);
+    let _ = writeln!(
+        page,
+        "Tolerance {}: {}. Source: {}. Largest deviation of {}: {}.\n",
+        short(checks[0].tolerance),
+        checks[0].tolerance_reason,
+        checks[0].source,
+        checks.len(),
+        short(worst)
+    );
+    page.push_str("| case | quantity | reference | ours | deviation | pass |\n");
+    page.push_str("|---|---|---:|---:|---:|---|\n");
+    for c in checks {
         let _ = writeln!(
             page,
-            "Tolerance {}: {}. Source: {}. Largest deviation of {n}: {}.\n",
-            short(first.tolerance),
-            first.tolerance_reason,
-            first.source,
-            short(worst)
+            "| {} | {} | {} | {} | {} | {} |",
+            cell(&c.case),
+            cell(&c.quantity),
+            long(c.reference),
+            long(c.ours),
+            short(c.deviation),
+            if c.pass { "yes" } else { "**NO**" }
         );
-        page.push_str("| case | quantity | reference | ours | deviation | pass |\n");
-        page.push_str("|---|---|---:|---:|---:|---|\n");
-        for c in now {
-            let _ = writeln!(
-                page,
-                "| {} | {} | {} | {} | {} | {} |",
-                cell(&c.case),
-                cell(&c.quantity),
-                long(c.reference),
-                long(c.ours),
-                short(c.deviation),
-                if c.pass { "yes" } else { "**NO**" }
-            );
-        }
-        page.push('\n');
     }
+    page.push('\n');
 }
 
 fn cell(text: &str) -> String {
@@ -114,7 +118,7 @@ pub(crate) fn page(sections: &[Section], bulk_notes: &str, faults: &[Row]) -> St
         for p in &s.pictures {
             let _ = writeln!(page, "![{}](img/validation/{})\n\n{}\n", p.title, p.file, p.caption);
         }
-        table(&mut page, &s.checks);
+        tables(&mut page, &s.checks);
     }
     page.push_str(
         "## Faults that users of other codes met\n\nEach is covered by a test; that the test \
@@ -141,4 +145,28 @@ fn anchor(title: &str) -> String {
         .filter(|c| c.is_alphanumeric() || *c == ' ' || *c == '-')
         .map(|c| if c == ' ' { '-' } else { c })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_digits_and_lose_their_zeros() {
+        assert_eq!(long(10_696.94), "10696.9");
+        assert_eq!(long(2.741e-4), "2.74100e-4");
+        assert_eq!(long(-0.5), "-0.5");
+        assert_eq!(long(1234567.0), "1.23457e6");
+        assert_eq!(short(1.04e-5), "1.0e-5");
+        assert_eq!(short(0.0), "0");
+        assert_eq!(short(f64::NAN), "NaN");
+    }
+
+    #[test]
+    fn an_anchor_is_what_a_viewer_makes_of_the_heading() {
+        assert_eq!(
+            anchor("A dropped sphere (MFIX DEM01, DEM02)"),
+            "a-dropped-sphere-mfix-dem01-dem02"
+        );
+    }
 }

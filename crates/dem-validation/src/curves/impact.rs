@@ -144,7 +144,7 @@ fn linear() -> Plot {
         let history = spread(0.0, end * (1.0 - 1e-9), 100)
             .map(|t| (t * rate, closed.force(t) / unit))
             .collect();
-        curves.push(Curve::line(name, history));
+        curves.push(Curve::line(name.clone(), history));
         let stiff = LinearTailCut { stiffness: k, damping_ratio: zeta };
         let soft = LinearTailKept { stiffness: k, damping_ratio: zeta };
         let found = if kept {
@@ -152,7 +152,7 @@ fn linear() -> Plot {
         } else {
             linear_history(stiff, body, k, end)
         };
-        curves.push(Curve::points("", found));
+        curves.push(Curve::points(format!("ours, {name}"), found));
     }
     Plot {
         group: "contact_linear",
@@ -180,15 +180,15 @@ fn jkr() -> Plot {
     let closed = spread(0.0, 1.0, 80)
         .map(|s| {
             let a_tear = (PI * w * r * r / (8.0 * e)).cbrt();
-            let a = a_tear * (1.0 + 2.6 * s);
+            let a = a_tear * (1.0 + 2.93 * s);
             let delta = a * a / r - (2.0 * PI * w * a / e).sqrt();
             let f = 4.0 * e * a.powi(3) / (3.0 * r) - (8.0 * PI * w * e * a.powi(3)).sqrt();
             (delta / scale, f / pull)
         })
         .collect();
-    let touching = spread(0.0, 6.0, 24).map(|d| (d, force(d * scale)));
+    let touching = spread(0.0, 2.5, 20).map(|d| (d, force(d * scale)));
     let necking = spread(tear * 0.9999, 0.0, 12).map(|d| (d / scale, force(d)));
-    let dmt_line = spread(0.0, 6.0, 40)
+    let dmt_line = spread(0.0, 2.5, 40)
         .map(|d| (d, dmt.respond(&pair, &contact_jkr::at(d * scale), &mut ()).force / pull));
     Plot {
         group: "contact_jkr",

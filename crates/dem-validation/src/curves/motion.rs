@@ -26,7 +26,7 @@ fn falling() -> Plot {
             }
             (ball.time, -ball.position_i.x)
         });
-        curves.push(Curve::points("", found.collect()));
+        curves.push(Curve::points(format!("ours, e = {e}"), found.collect()));
     }
     Plot {
         group: "contact_free_fall",
@@ -51,7 +51,7 @@ fn squeezed() -> Plot {
                 times.iter().zip(heights).map(|(t, y)| (t * 1e3, (y[k] - start) * 1e6)).collect()
             };
             curves.push(Curve::line(format!("Runge-Kutta, {name}, e = {e}"), shift(&want)));
-            curves.push(Curve::points("", shift(&found)));
+            curves.push(Curve::points(format!("engine, {name}, e = {e}"), shift(&found)));
         }
     }
     Plot {
@@ -82,10 +82,10 @@ fn slipping() -> Plot {
         let stays = 5.0 / 7.0;
         let slow = vec![(0.0, 1.0), (end, stays), (20.0, stays)];
         curves.push(Curve::line(format!("velocity, mu = {mu}"), slow));
-        curves.push(Curve::points("", v));
+        curves.push(Curve::points(format!("ours, velocity, mu = {mu}"), v));
         let fast = vec![(0.0, 0.0), (end, stays), (20.0, stays)];
         curves.push(Curve::line(format!("R omega, mu = {mu}"), fast));
-        curves.push(Curve::points("", spin));
+        curves.push(Curve::points(format!("ours, R omega, mu = {mu}"), spin));
     }
     Plot {
         group: "contact_rolling",
@@ -111,6 +111,9 @@ fn decaying() -> Plot {
             })
             .collect()
     }
+    fn sparse(row: Vec<(f64, f64)>, first: usize) -> Vec<(f64, f64)> {
+        row.into_iter().skip(first).step_by(4).collect()
+    }
     let torque = VISCOUS;
     Plot {
         group: "contact_rolling",
@@ -125,8 +128,8 @@ fn decaying() -> Plot {
             Curve::line("Zhu", row(Zhu { torque, inertia_share: zhu::SOLID_SPHERE_SHARE })),
             Curve::line("viscous capped", row(VISCOUS)),
             Curve::line("spring-dashpot", row(spring_dashpot())),
-            Curve::points("constant torque A", row(ConstantTorque { arm: ARM })),
-            Curve::points("absolute spin", row(AbsoluteSpin { arm: ARM })),
+            Curve::points("constant torque A", sparse(row(ConstantTorque { arm: ARM }), 0)),
+            Curve::points("absolute spin", sparse(row(AbsoluteSpin { arm: ARM }), 2)),
         ],
     }
 }
