@@ -153,8 +153,12 @@ fn by_outline(frame: &Frame, config: &DrumConfig) -> Result<Drum, VisionError> {
     let Some((_, sense, near)) = best else {
         return Err(no_circle(range, 0.0, config.min_support));
     };
-    refine(near?, range, config.min_support, |c, reach| rim::outline_points(&grey, c, reach, sense))
-        .map(|fit| Drum { fit, origin: CircleOrigin::Outline })
+    let mut fit = refine(near?, range, config.min_support, |c, reach| {
+        rim::outline_points(&grey, c, reach, sense)
+    })?;
+    // Whether the outline's line is the inner wall, its middle or its outer edge, the picture does not tell.
+    fit.radius_sd_px = fit.radius_sd_px.hypot(1.0);
+    Ok(Drum { fit, origin: CircleOrigin::Outline })
 }
 
 fn scaled(range: (f64, f64), bin: usize) -> (f64, f64) {
