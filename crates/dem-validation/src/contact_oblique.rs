@@ -22,6 +22,11 @@ const DIGITISED: Held = Held {
     reason: "relative to the curve's maximum; digitised, without the first 10 degrees, where no-slip models leave it",
     source: "Chung and Ooi 2011, doi:10.1007/s10035-011-0277-0, test 4, Al2O3",
 };
+const MEASURED: Held = Held {
+    tolerance: 0.05,
+    reason: "relative to the curve's maximum; what a measurement at one friction and restitution for all angles allows",
+    source: "Kharaz, Gorham and Salman, Powder Technology 120 (2001) 281",
+};
 const STICKING: Held = Held {
     tolerance: 5e-3,
     reason: "relative to the sliding branch (7 and 5); both resolve the contact in thousands of steps",
@@ -58,6 +63,10 @@ pub(crate) const DIGITISED_E_T: [f64; 11] =
 pub(crate) const DIGITISED_SPIN: [f64; 11] =
     [19.0, 213.0, 378.0, 511.0, 599.0, 617.0, 545.0, 457.0, 357.0, 246.0, 126.0];
 
+/// Measured by Kharaz et al.: angle (deg), tangential restitution.
+pub(crate) const KHARAZ: [(f64, f64); 5] =
+    [(9.8, 0.675), (20.2, 0.599), (30.4, 0.690), (39.5, 0.774), (49.6, 0.848)];
+
 fn test_4(checks: &mut Vec<Check>) {
     let digitised = DIGITISED_ANGLES.into_iter().zip(DIGITISED_E_T).zip(DIGITISED_SPIN);
     for ((theta, e_t), spin) in digitised.filter(|((theta, _), _)| *theta > 10.0) {
@@ -65,6 +74,11 @@ fn test_4(checks: &mut Vec<Check>) {
         let case = format!("Chung-Ooi 4, Al2O3, {theta} deg, digitised");
         checks.push(DIGITISED.of_scale(&case, "tangential restitution", e_t, ours, 0.966));
         checks.push(DIGITISED.of_scale(&case, "spin, rad/s", spin, ours_spin, 617.0));
+    }
+    for (theta, e_t) in KHARAZ.into_iter().filter(|(theta, _)| *theta > 10.0) {
+        let (ours, _) = tangential_restitution_and_spin(&ALUMINA, theta);
+        let case = format!("Chung-Ooi 4 and MFIX DEM05, Al2O3, {theta} deg, measured");
+        checks.push(MEASURED.of_scale(&case, "tangential restitution", e_t, ours, 0.848));
     }
     for m in [ALUMINA, ALUMINIUM_ALLOY] {
         for theta in [35.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0] {

@@ -1,6 +1,6 @@
 //! The drum of Dosta et al. (2024), soft variant: what is in it and how things touch.
 //!
-//! Comput. Phys. Commun. 296 (2024) 109066, doi:10.1016/j.cpc.2023.109066, case "rotating drum".
+//! Comput. Phys. Commun. 296 (2024) 109066, case "rotating drum".
 //! Axis along Y, gravity along -Z, mantle and end plates turn together about +Y.
 
 use anyhow::Context;

@@ -21,7 +21,7 @@ pub(crate) struct Bulk {
 
 const NOTES: &str = "\
 Drum of 0.1 m radius and 60 mm length, 2 rad/s; 30 000 spheres of 2 mm (M1: 2 MPa, 2500 kg/m3) and \
-8000 of 4 mm (M2: 1 MPa, 2000 kg/m3) in steel, 5 s (Dosta et al. 2024, doi:10.1016/j.cpc.2023.109066, \
+8000 of 4 mm (M2: 1 MPa, 2000 kg/m3) in steel, 5 s (Dosta et al., Comput. Phys. Commun. 296 (2024) 109066, \
 soft variant). Both species start side by side (M1 at +x) and at rest in a packing that Tumble settled \
 from a seed; quadrants are signs of x and z, gravity along -z, turning about +y.\n\n\
 The tables under `fixtures/validation/dosta` are frozen; `cargo xtask dosta --freeze` with `--seed N --shear incremental`, `--seed 1` and \

@@ -118,6 +118,7 @@ pub(crate) fn page(sections: &[Section], bulk_notes: &str, faults: &[Row]) -> St
         for p in &s.pictures {
             let _ = writeln!(page, "![{}](img/validation/{})\n\n{}\n", p.title, p.file, p.caption);
         }
+        page.push_str(&super::summaries::of(s));
         tables(&mut page, &s.checks);
     }
     page.push_str(
@@ -129,7 +130,6 @@ pub(crate) fn page(sections: &[Section], bulk_notes: &str, faults: &[Row]) -> St
     }
     page.push_str(
         "\n## Not on this page\n\n\
-         - MFIX DEM05 needs the particle coordinates of a measured series; Chung-Ooi 4 covers its law.\n\
          - Angles of glass beads in drums of 200 to 500 mm (Liu et al., thesis Table 3) and the 336 \
          runs of Tables 22 to 33 need the drum rig and its image analysis, not the engine alone; \
          what the tables allow without a run is in `reproduction.md`.\n",

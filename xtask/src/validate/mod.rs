@@ -4,6 +4,7 @@ mod bulk;
 mod faults;
 mod markdown;
 mod plots;
+mod summaries;
 
 use std::path::Path;
 

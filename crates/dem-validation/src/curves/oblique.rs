@@ -2,14 +2,10 @@
 
 use super::{Axis, Curve, Plot, spread};
 use crate::contact_oblique::{
-    DIGITISED_ANGLES, DIGITISED_E_T, DIGITISED_SPIN, psi_after, runge_kutta_psi, spinning_beta,
-    tangential_restitution_and_spin,
+    DIGITISED_ANGLES, DIGITISED_E_T, DIGITISED_SPIN, KHARAZ, psi_after, runge_kutta_psi,
+    spinning_beta, tangential_restitution_and_spin,
 };
 use crate::laws::{ALUMINA, ALUMINIUM_ALLOY, NYLON, POLYETHYLENE, STEEL};
-
-/// Measured by Kharaz et al. (2001): angle (deg), tangential restitution.
-const KHARAZ: [(f64, f64); 5] =
-    [(9.8, 0.675), (20.2, 0.599), (30.4, 0.690), (39.5, 0.774), (49.6, 0.848)];
 
 pub(super) fn plots() -> Vec<Plot> {
     let group = "contact_oblique";
