@@ -43,6 +43,8 @@ pub(crate) struct Task<'a> {
     pub(crate) folder: &'a Path,
     pub(crate) warm: u64,
     pub(crate) steps: u64,
+    /// Tumble's fast roots.
+    pub(crate) fast: bool,
 }
 
 /// One timed run.

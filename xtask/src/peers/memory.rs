@@ -56,7 +56,7 @@ pub(crate) fn run(w: &MemoryWorker) -> anyhow::Result<()> {
         let shift = DVec3::Z * (copy as f64 * w.length);
         beads.extend(bed.iter().map(|b| Bead { position: b.position + shift, ..*b }));
     }
-    let mut world = scene.world(&beads, 1, 0.8e-3, ROLLING)?;
+    let mut world = scene.world(&beads, 1, 0.8e-3, ROLLING, false)?;
     drop(beads);
     world.run(STEPS)?;
     let n = world.len() as f64;

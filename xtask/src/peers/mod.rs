@@ -2,9 +2,9 @@
 //!
 //! Each code is a process of its own. It reads the beads of a settled, turning drum (made by
 //! Tumble, kept under `target/peers`), runs some steps to rebuild the history of its contacts,
-//! then the timed steps. The loop's wall time is what the code itself reports; times that
-//! processor share scales are `loop time x (processor time / wall time of the process)`, which a
-//! machine that others use distorts less.
+//! then the timed steps. Wall time is that of the loop as the code itself reports it; processor
+//! time is `loop time x (processor time / wall time of the process)`, which a machine that others
+//! use distorts less.
 
 mod code;
 mod exchange;
@@ -54,6 +54,9 @@ pub(crate) struct Peers {
     /// Timed steps of each run that tries a skin.
     #[arg(long, default_value_t = 2000)]
     tune_steps: u64,
+    /// Tumble with its fast roots (`Kernels::FastRoots`) instead of exact ones.
+    #[arg(long)]
+    fast: bool,
     /// Instead: Tumble's time against the number of beads.
     #[arg(long)]
     scaling: bool,

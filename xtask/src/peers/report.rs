@@ -1,5 +1,8 @@
 //! The comparison as tables and as JSON.
 
+use std::path::Path;
+
+use anyhow::Context;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -30,6 +33,8 @@ pub(crate) struct Workload {
     pub(crate) steps: u64,
     pub(crate) warm: u64,
     pub(crate) repeats: usize,
+    /// Tumble ran with its fast roots.
+    pub(crate) fast_roots: bool,
 }
 
 /// One code with a number of threads.
@@ -78,10 +83,12 @@ pub(crate) struct Report {
     pub(crate) absent: Vec<Absent>,
 }
 
-/// Print as JSON or as tables.
-pub(crate) fn print(report: &Report, as_json: bool) -> anyhow::Result<()> {
+/// Print as JSON or as tables; the JSON is kept in `path` in any case.
+pub(crate) fn print(report: &Report, as_json: bool, path: &Path) -> anyhow::Result<()> {
+    let text = serde_json::to_string_pretty(&as_value(report))?;
+    std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
     if as_json {
-        println!("{}", serde_json::to_string_pretty(&as_value(report))?);
+        println!("{text}");
     } else {
         print_tables(report);
     }
@@ -122,12 +129,13 @@ fn print_tables(report: &Report) {
         load(report.load[1])
     );
     println!(
-        "{} beads, {} steps of {:.0} us after {} to warm up, {} rounds\n",
+        "{} beads, {} steps of {:.0} us after {} to warm up, {} rounds; Tumble with {} roots\n",
         s.particles,
         s.steps,
         1e6 * s.dt,
         s.warm,
-        s.repeats
+        s.repeats,
+        if s.fast_roots { "fast" } else { "exact" }
     );
     println!(
         "| code | threads | processor ns a particle-step | wall ns a particle-step | particle-steps/s | ns a contact | contacts a particle | list pairs a particle | steps a list | skin (mm) |"

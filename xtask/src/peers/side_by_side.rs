@@ -30,6 +30,7 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
         folder: &folder,
         warm: options.warm,
         steps: options.steps,
+        fast: options.fast,
     };
     let (mut installed, mut absent) = (Vec::new(), Vec::new());
     for code in Code::ALL {
@@ -65,7 +66,7 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
     report.load = [load_before, load()];
     let [dissipated, remainder] = worker::ledger(&task, skins[&Code::Tumble])?;
     report.ledger_mj = [1e3 * dissipated, 1e3 * remainder];
-    report::print(&report, options.json)
+    report::print(&report, options.json, &folder.join("side_by_side.json"))
 }
 
 /// The fastest of five skins.
@@ -200,6 +201,7 @@ impl Rounds {
                 steps: task.steps,
                 warm: task.warm,
                 repeats: one.len(),
+                fast_roots: task.fast,
             },
             runs: entries,
             ratios: [

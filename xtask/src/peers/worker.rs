@@ -39,6 +39,9 @@ pub(crate) struct Worker {
     warm: u64,
     #[arg(long)]
     steps: u64,
+    /// Fast roots instead of exact ones.
+    #[arg(long)]
+    fast: bool,
     /// Keep the energy ledger during the timed run.
     #[arg(long)]
     ledger: bool,
@@ -77,13 +80,16 @@ pub(crate) fn arguments(
     {
         command.arg(name).arg(value.to_string());
     }
+    if task.fast {
+        command.arg("--fast");
+    }
 }
 
 /// Do the run and print its line.
 pub(crate) fn run(w: &Worker) -> anyhow::Result<()> {
     let beads = exchange::read_data(&w.data)?;
     let scene = Scene { beads: beads.len(), radius: w.radius, length: w.length, rate: w.rate };
-    let mut world = scene.world(&beads, w.threads, w.skin, w.rolling)?;
+    let mut world = scene.world(&beads, w.threads, w.skin, w.rolling, w.fast)?;
     world.run(w.warm)?;
     if w.ledger {
         world.open_ledger()?;
