@@ -24,7 +24,7 @@ pub(crate) fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<Pat
     write_bytes(folder, name, text.as_bytes())
 }
 
-/// As [`write`], for bytes.
+/// As [`write()`], for bytes.
 pub(crate) fn write_bytes(folder: &Path, name: &str, bytes: &[u8]) -> anyhow::Result<PathBuf> {
     let path = folder.join(name);
     let place = || format!("cannot write {}", path.display());
