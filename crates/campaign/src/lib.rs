@@ -8,9 +8,11 @@
 pub use {drum_film, drum_rig, drum_vision, rig_schema};
 
 mod error;
+mod laboratory;
 mod observatory;
 
 pub use error::CampaignError;
+pub use laboratory::{Done, Footage, Laboratory, Run, Sampling, SpeedRow};
 pub use observatory::{Observatory, Observed, Resolution};
 
 /// The examples of the README, compiled.
