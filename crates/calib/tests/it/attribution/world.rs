@@ -102,8 +102,8 @@ impl Simulator for Drum {
 
 /// What the drum would do: another saturation, a slow wave over speed.
 pub(crate) fn truth(omega: f64, mu: f64, s: &[f64], phase: f64) -> [f64; 4] {
-    let level = 13.0 + 33.5 * mu.powf(0.9) / (mu.powf(0.9) + 0.42) + 1.2 * mu;
-    let mut r = bed(omega, level, mu * (1.0 + 0.1 * mu), s);
+    let level = 13.9 + 39.8 * mu.powf(1.2) / (mu.powf(1.2) + 0.43);
+    let mut r = bed(omega, level, mu * (1.0 + 0.03 * mu), s);
     for (k, v) in r.iter_mut().enumerate() {
         *v += 0.2 * (omega / 6.0 + phase + 1.7 * k as f64).sin();
     }
