@@ -101,6 +101,13 @@ impl Compared {
         (n > 0).then(|| each.sum::<f64>() / n as f64)
     }
 
+    /// Mean squared error with the effect in squared standard deviations of its prediction.
+    pub(super) fn surprise(&self) -> Option<f64> {
+        let n = self.after.len();
+        let each = self.after.iter().map(|a| a.error * a.error / a.total);
+        (n > 0).then(|| each.sum::<f64>() / n as f64)
+    }
+
     /// Responses whose error grows by more than one standard deviation of the prediction.
     pub(super) fn worsened(&self) -> Vec<Response> {
         let mut worse = Vec::new();

@@ -7,6 +7,7 @@
 
 use super::Verdict;
 use super::data::Data;
+use super::evidence::{laplace, unknown};
 use super::gate::{Case, Screen};
 use super::held_out::{Compared, predict};
 use super::model::Model;
@@ -18,6 +19,9 @@ const LEAST_SPEEDS: usize = 3;
 
 /// Least number of speeds at which both ends can be left out.
 const LEAST_FOR_ENDS: usize = 5;
+
+/// How much better than the level a pair must fit.
+const PAIR_FACTOR: f64 = 10.0;
 
 /// Training and test data of each fold.
 pub(super) struct Folds {
@@ -84,6 +88,8 @@ pub(super) struct Judged<'s> {
     pub(super) p_single: f64,
     pub(super) p_family: f64,
     pub(super) gain: Option<f64>,
+    /// Squared error at both ends left out, in squared standard deviations of the prediction.
+    pub(super) at_ends: Option<f64>,
     pub(super) worsens: Vec<&'static str>,
     pub(super) objections: Vec<String>,
     /// Whether it can be in a class: objections to its significance aside.
@@ -103,8 +109,18 @@ impl Judged<'_> {
         base: &Settled,
         folds: &[Folds],
     ) -> Result<(), CalibError> {
-        for set in folds.iter().filter(|s| s.kind != "both ends") {
+        for set in folds {
             let compared = set.compare((&case.base, base), (&self.model, &self.fit))?;
+            if set.kind == "both ends" {
+                self.at_ends = compared.surprise();
+                let n = compared.after.len();
+                let p = self.at_ends.map_or(1.0, |a| chi_square_p(a * n as f64, n));
+                if !(p > case.attribution.settings.level) {
+                    self.objections.push(format!("does not carry over to both ends (p {p:.1e})"));
+                    self.explains = false;
+                }
+                continue;
+            }
             let gain = compared.gain();
             self.gain = self.gain.or(gain);
             if gain.is_some_and(|g| !(g > 0.0)) {
@@ -227,6 +243,7 @@ fn fit<'s>(
         p_single: 1.0,
         p_family: 1.0,
         gain: None,
+        at_ends: None,
         worsens: Vec::new(),
         objections: Vec::new(),
         explains: true,
@@ -234,9 +251,13 @@ fn fit<'s>(
     })
 }
 
-/// All pairs; one is eligible if it fits, if each of its effects is needed (deviance beyond the
-/// class's ratio of either alone), and if speeds left out agree better than with the best single
-/// effect.
+/// All pairs.
+///
+/// Two strengths can imitate much that is not in the catalogue, so that a pair is held to more
+/// than a single effect. It is eligible if it fits at ten times the level; if each of its effects
+/// is needed (deviance beyond the class's ratio of either alone) and neither sits at an end of
+/// its range; if speeds left out agree better than with the best single effect; and if it is
+/// more probable than "unknown" at the priors given.
 fn fit_pairs<'s>(
     case: &Case<'_, 's>,
     base: &Settled,
@@ -248,6 +269,9 @@ fn fit_pairs<'s>(
     let within = 2.0 * settings.class_ratio.ln();
     let alone = |k: usize| singles.iter().find(|j| j.of[0] == k).map(|j| j.fit.deviance());
     let best_gain = singles.iter().filter_map(|j| j.gain).fold(0.0, f64::max);
+    let count = (candidates.len() * candidates.len().saturating_sub(1) / 2).max(1) as f64;
+    let unknown = unknown(&case.base, &case.data, base)? + settings.prior_unknown.ln();
+    let prior = (settings.prior_pairs / count).ln();
     let mut pairs = Vec::new();
     for a in 0..candidates.len() {
         for b in a + 1..candidates.len() {
@@ -259,7 +283,11 @@ fn fit_pairs<'s>(
             let needed = [a, b]
                 .into_iter()
                 .all(|k| alone(k).is_some_and(|d| d - judged.fit.deviance() > within));
-            judged.explains = judged.p_absolute > settings.level && needed;
+            let strengths = &judged.fit.point.unit[model.frictions()..];
+            let inside = strengths.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6);
+            let probable = laplace(&judged.fit) + prior > unknown;
+            let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
+            judged.explains = fits && needed && inside && probable;
             if judged.explains {
                 judged.judge_held_out(case, base, folds)?;
                 judged.explains &= judged.gain.is_none_or(|g| g > best_gain);

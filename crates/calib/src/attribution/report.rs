@@ -52,6 +52,7 @@ pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibErr
                 fit: report_fit(&case, &j.model, &j.fit)?,
                 strengths: [j.fit.theta[d], j.fit.theta[d + 1]],
                 held_out_gain: j.gain,
+                at_ends: j.at_ends,
                 eligible: j.eligible,
             });
         }

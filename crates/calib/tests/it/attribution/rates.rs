@@ -147,35 +147,43 @@ fn two_effects_that_partly_cancel_are_found_as_a_pair_or_left_unknown() {
 #[test]
 fn diagnose() {
     let (base, effects) = (Drum(None), simulators());
-    for (k, s) in [(0, 0.3), (0, 0.6), (0, 0.9), (3, 0.3), (3, 0.6)] {
-        for seed in 0..10u64 {
-            let data = measure(5000 + 10 * k as u64 + seed, 0.4, &strengths(&[(k, s)]), 1.0);
-            let a = attribution(data, &base, &effects, &ALL);
-            let v = verdict(&a);
-            if !names(&v).contains(&EFFECTS[k].0.to_owned()) && v != Verdict::None {
-                let f = a.attribute().unwrap();
-                println!("{} {s} {v:?} gate {:?}", EFFECTS[k].0, f.gate);
-                for r in f.ranked.iter().take(4) {
-                    println!(
-                        "   {} chi2 {:.1} p {:.4} fam {:.4} gain {:?} ev {:.3} {:?} {:?}",
-                        r.name,
-                        r.fit.chi2,
-                        r.p_absolute,
-                        r.p_family,
-                        r.held_out_gain,
-                        r.evidence,
-                        r.strength,
-                        r.objections
-                    );
-                }
-                println!(
-                    "  {:?}",
-                    f.evidence
-                        .iter()
-                        .map(|e| format!("{} {:.2} {:.3}", e.name, e.log_likelihood, e.posterior))
-                        .collect::<Vec<_>>()
+    let run = |data, of: &[usize], what: &str| {
+        let a = attribution(data, &base, &effects, of);
+        let f = a.attribute().unwrap();
+        for p in f.pairs.iter().filter(|p| p.eligible) {
+            println!(
+                "{what} {:?} p {:.3} s {:.2?} gain {:.2?} ends {:.2?} {:?}",
+                p.names,
+                p.fit.p,
+                p.strengths,
+                p.held_out_gain,
+                p.at_ends,
+                f.evidence
+                    .iter()
+                    .filter(|e| e.name == "unknown" || e.name == "pairs")
+                    .map(|e| e.log_likelihood as i64)
+                    .collect::<Vec<_>>()
+            );
+        }
+    };
+    for k in [4, 5, 7] {
+        let rest: Vec<usize> = ALL.into_iter().filter(|i| *i != k).collect();
+        for part in [0.6, 0.9] {
+            for seed in 0..4 {
+                let data = measure(
+                    5000 + 10 * k as u64 + seed,
+                    0.4,
+                    &strengths(&[(k, part * EFFECTS[k].1.1)]),
+                    1.0,
                 );
+                run(data, &rest, &format!("REMOVED {} {part}", EFFECTS[k].0));
             }
+        }
+    }
+    for (a, b) in [((2, 0.6), (5, 0.7)), ((4, 0.9), (5, 0.6)), ((3, 0.7), (7, 0.7))] {
+        for seed in 0..4 {
+            let data = measure(9000 + seed, 0.4, &strengths(&[a, b]), 1.0);
+            run(data, &ALL, &format!("TRUE {} {}", EFFECTS[a.0].0, EFFECTS[b.0].0));
         }
     }
 }
