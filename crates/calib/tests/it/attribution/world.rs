@@ -131,6 +131,46 @@ pub(crate) fn measure(seed: u64, mu: f64, s: &[f64], sd_factor: f64) -> Observat
     Observations::new(items, 15.0, FrameCorrelation::Swinging).expect("is well formed")
 }
 
+/// A draw of the fitted model itself with all of its stated errors.
+pub(crate) fn draw(seed: u64, mu: f64) -> Observations {
+    draw_with(seed, mu, None)
+}
+
+/// The same with an effect.
+pub(crate) fn draw_with(seed: u64, mu: f64, effect: Option<(usize, f64)>) -> Observations {
+    let theta: Vec<f64> = [mu].into_iter().chain(effect.map(|e| e.1)).collect();
+    let drum = Drum(effect.map(|e| e.0));
+    let predicted = drum.predict(&theta, &SPEEDS).expect("is well formed");
+    let mut data = measure(seed, mu, &[0.0; 8], 1.0);
+    // Frames and offsets of `measure` without its truth; errors of the model by a Cholesky factor.
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let offset = [0.0, 0.0, 0.5 * normal(), 0.5 * normal()];
+    let n = predicted.mean.len();
+    let mut l = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let known: f64 = (0..j).map(|k| l[i * n + k] * l[j * n + k]).sum();
+            let rest = predicted.covariance(i, j) - known;
+            l[i * n + j] = if i == j { rest.max(1e-12).sqrt() } else { rest / l[j * n + j] };
+        }
+    }
+    let z: Vec<f64> = (0..n).map(|_| normal()).collect();
+    for (k, item) in data.items.iter_mut().enumerate() {
+        let error: f64 = (0..=k).map(|j| l[k * n + j] * z[j]).sum();
+        item.mean = predicted.mean[k] + error + offset[k % 4];
+    }
+    for at in 0..SPEEDS.len() {
+        let swing = normal();
+        for k in 0..4 {
+            let down = if k == 3 { -1.0 } else { 1.0 };
+            let noise = (down * swing + normal()) * 0.5_f64.sqrt() * SD[k] / 15_f64.sqrt();
+            data.items[4 * at + k].mean += noise;
+        }
+    }
+    data
+}
+
 pub(crate) fn simulators() -> Vec<Drum> {
     (0..EFFECTS.len()).map(|k| Drum(Some(k))).collect()
 }
