@@ -4,13 +4,14 @@
 //! The omnibus test asks whether the residual is too large (N - p degrees of freedom), the
 //! focused one whether the best of the catalogue's signatures explains too much of it. The first
 //! sees effects that nobody thought of, the second sees weak effects that are in the catalogue.
-//! Both p-values are ranks among the same draws, and the smaller of the two is itself ranked
-//! among the draws' smaller ones, so that the rate of false alarms of the combination is the
-//! level, not twice the level: no splitting is needed.
+//! The smaller of their nominal p-values is ranked among the draws' smaller ones, so that the
+//! rate of false alarms of the combination is the level, not twice the level: nothing need be
+//! split, and errors of the nominal values cancel.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::data::{Data, Variation, Weight};
 use super::model::Model;
@@ -52,7 +53,18 @@ impl<'a, 's> Case<'a, 's> {
             .iter()
             .map(|c| Model::single(&problem.free, c))
             .collect::<Result<Vec<_>, _>>()?;
-        for model in std::iter::once(&base).chain(&singles) {
+        let simulators = attribution.candidates.iter().map(|c| c.simulator);
+        for (model, simulator) in std::iter::once(&base)
+            .chain(&singles)
+            .zip(std::iter::once(problem.simulator).chain(simulators))
+        {
+            let (low, high) = simulator.speed_range_rpm();
+            let given = attribution.held_out.iter().flat_map(Observations::speeds_rpm);
+            let mut speeds = data.speeds.iter().copied().chain(given);
+            if let Some(omega_rpm) = speeds.find(|s| !(low..=high).contains(s)) {
+                let model = model.name.clone();
+                return Err(CalibError::SpeedRange { model, omega_rpm, low, high });
+            }
             if data.len() <= model.len() {
                 return Err(CalibError::TooFewObservations {
                     model: model.name.clone(),
@@ -198,19 +210,17 @@ impl Screen {
         let made = chi2_draws.len();
         let p_bootstrap = part(&chi2_draws, base.chi2);
         let p_focused = part(&best_draws, best);
-        // The smaller of both ranks, for every draw among the others.
-        let mut smaller: Vec<f64> = chi2_draws
-            .iter()
-            .zip(&best_draws)
-            .map(|(c, b)| rank(&chi2_draws, *c).min(rank(&best_draws, *b)))
-            .collect();
-        let own = p_bootstrap.min(p_focused);
+        let dof = data.len() - case.base.len();
+        let joint = Joint::new(dof, &best_draws);
+        let own = joint.smaller(base.chi2, best);
+        let mut smaller: Vec<f64> =
+            chi2_draws.iter().zip(&best_draws).map(|(c, b)| joint.smaller(*c, *b)).collect();
         let below = smaller.iter().filter(|m| **m <= own).count();
         let p_combined = (1 + below) as f64 / (1 + made) as f64;
         smaller.sort_by(f64::total_cmp);
-        let place = (settings.level * made as f64) as usize;
-        let each = smaller.get(place).copied().unwrap_or(settings.level);
-        let dof = data.len() - case.base.len();
+        // Smallest value of the draws that would not be an alarm any more.
+        let place = (settings.level * (1 + made) as f64) as usize;
+        let critical = smaller.get(place.saturating_sub(1)).copied().unwrap_or(0.0);
         let gate = Gate {
             chi2: base.chi2,
             dof,
@@ -228,8 +238,8 @@ impl Screen {
             improvements,
             improvement_draws,
             gate,
-            critical_chi2: upper(&mut chi2_draws, each),
-            critical_improvement: upper(&mut best_draws, each),
+            critical_chi2: joint.chi2_at(critical),
+            critical_improvement: joint.improvement_at(critical),
         })
     }
 
@@ -253,14 +263,41 @@ fn part(draws: &[f64], value: f64) -> f64 {
     (1 + draws.iter().filter(|d| **d >= value).count()) as f64 / (1 + draws.len()) as f64
 }
 
-/// The same for one of the draws.
-fn rank(draws: &[f64], value: f64) -> f64 {
-    draws.iter().filter(|d| **d >= value).count() as f64 / draws.len() as f64
+/// The two tests on one scale: nominal p-values that are continuous, so that few draws rank them
+/// without ties. Their own errors do not matter, since the smaller one is ranked among draws.
+struct Joint {
+    dof: usize,
+    /// Number of independent effects that would raise the best improvement as the catalogue
+    /// does, from the median of the draws.
+    effects: f64,
 }
 
-/// Value that a part `p` of the draws exceeds.
-fn upper(draws: &mut [f64], p: f64) -> f64 {
-    draws.sort_by(|a, b| b.total_cmp(a));
-    let k = ((p * draws.len() as f64) as usize).min(draws.len().saturating_sub(1));
-    draws.get(k).copied().unwrap_or(f64::INFINITY)
+impl Joint {
+    fn new(dof: usize, best_draws: &[f64]) -> Self {
+        let mut sorted = best_draws.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let q = chi_square_p(median, 1);
+        let effects = if q < 1.0 { 0.5_f64.ln() / (-q).ln_1p() } else { 1.0 };
+        Self { dof, effects: effects.max(1.0) }
+    }
+
+    fn smaller(&self, chi2: f64, best: f64) -> f64 {
+        let q = chi_square_p(best, 1);
+        let focused = if q < 1.0 { -(self.effects * (-q).ln_1p()).exp_m1() } else { 1.0 };
+        chi_square_p(chi2, self.dof).min(focused)
+    }
+
+    fn chi2_at(&self, p: f64) -> f64 {
+        quantile(self.dof, p)
+    }
+
+    fn improvement_at(&self, p: f64) -> f64 {
+        quantile(1, -((-p).ln_1p() / self.effects).exp_m1())
+    }
+}
+
+/// Value that chi-square exceeds with probability `p`.
+fn quantile(dof: usize, p: f64) -> f64 {
+    ChiSquared::new(dof as f64).map_or(f64::INFINITY, |d| d.inverse_cdf(1.0 - p))
 }

@@ -98,8 +98,8 @@ fn a_finding_is_complete_and_consistent() {
 #[test]
 fn frames_that_scatter_more_than_stated_are_shown_by_the_scatter_that_overturns() {
     let (base, effects) = (Drum(None), simulators());
-    // Stated 1 deg over 15 frames, 0.26 deg; true 2.5 times that: 0.59 deg more in squares
-    // (0.47 % R for the centre of area).
+    // Stated 1 deg over 15 frames, 0.26 deg; true 2.5 times that, so 0.59 deg is missing in
+    // squares (0.47 % R for the centre of area). The gate passes at 1 %, hence with less.
     let (mut sizes, mut named) = (Vec::new(), 0);
     for seed in 0..10 {
         let data = measure(50 + seed, 0.4, &strengths(&[]), 2.5);
@@ -133,7 +133,8 @@ fn a_difference_between_codes_can_take_an_effect_away() {
     let (base, effects) = (Drum(None), simulators());
     let mut a = attribution(measure(6, 0.4, &strengths(&[(5, 0.6)]), 1.0), &base, &effects, &ALL);
     // Matched runs of two codes differ in the middle line, more so at speed: as exposure does.
-    let modes = vec![SPEEDS.iter().map(|w| [0.0, w / 8.0, 0.3 * w / 8.0, 0.3 * w / 8.0]).collect()];
+    let like = |w: &f64| [0.0, w / 8.0, 0.32 * w / 8.0, -0.25 * w / 8.0];
+    let modes = vec![SPEEDS.iter().map(like).collect()];
     a.code_covariance = Some(CodeCovariance::new(SPEEDS.to_vec(), modes).expect("fits"));
     let f = found(&a);
     println!("with {:?}, without {:?}", f.verdict, f.verdict_without_code);

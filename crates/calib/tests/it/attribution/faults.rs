@@ -36,6 +36,14 @@ fn a_candidate_must_take_the_base_and_one_strength() {
 }
 
 #[test]
+fn a_speed_beyond_the_simulated_ones_is_refused() {
+    let text = refused(|a| {
+        a.base.observations.items[0].omega_rpm = 1.0;
+    });
+    assert!(text.contains("covers 2 to 30 rpm; there is an observation at 1 rpm"), "{text}");
+}
+
+#[test]
 fn impossible_candidates_and_settings_are_refused_by_name() {
     let text = refused(|a| a.candidates[0].null = -1.0);
     assert!(text.contains("`cohesion.pp`: absent at -1"), "{text}");

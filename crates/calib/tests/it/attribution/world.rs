@@ -162,9 +162,9 @@ pub(crate) fn draw_with(seed: u64, mu: f64, effect: Option<(usize, f64)>) -> Obs
     }
     for at in 0..SPEEDS.len() {
         let swing = normal();
-        for k in 0..4 {
+        for (k, sd) in SD.into_iter().enumerate() {
             let down = if k == 3 { -1.0 } else { 1.0 };
-            let noise = (down * swing + normal()) * 0.5_f64.sqrt() * SD[k] / 15_f64.sqrt();
+            let noise = (down * swing + normal()) * 0.5_f64.sqrt() * sd / 15_f64.sqrt();
             data.items[4 * at + k].mean += noise;
         }
     }
