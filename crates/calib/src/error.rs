@@ -151,6 +151,18 @@ pub enum CalibError {
         /// Fitted parameters.
         parameters: usize,
     },
+    /// A speed at which a model cannot predict.
+    #[error("`{model}` covers {low} to {high} rpm; there is an observation at {omega_rpm} rpm")]
+    SpeedRange {
+        /// Model or candidate.
+        model: String,
+        /// Speed of an observation, rpm.
+        omega_rpm: f64,
+        /// Lowest speed that the model covers, rpm.
+        low: f64,
+        /// Highest speed that the model covers, rpm.
+        high: f64,
+    },
     /// A candidate effect that cannot be used.
     #[error("candidate `{name}`: {fault}")]
     Candidate {

@@ -161,6 +161,9 @@ pub struct PairFit {
     pub strengths: [f64; 2],
     /// As [`Ranked::held_out_gain`], over the base.
     pub held_out_gain: Option<f64>,
+    /// Mean squared error at the lowest and highest speed when both are left out, in squared
+    /// standard deviations of the prediction: about 1 if the model is right.
+    pub at_ends: Option<f64>,
     /// Whether it passes all conditions for being named.
     pub eligible: bool,
 }
