@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use campaign::{CampaignError, Laboratory, Run};
-use rand::{Rng as _, SeedableRng as _};
+use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rig_schema::Rig;
 
