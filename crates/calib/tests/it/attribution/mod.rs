@@ -2,5 +2,7 @@
 
 mod cases;
 mod faults;
+mod linear;
 mod rates;
+mod thesis;
 mod world;
