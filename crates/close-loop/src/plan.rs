@@ -55,6 +55,11 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// No runs at all.
+    pub(crate) fn nothing() -> Self {
+        Self { base: 0, zoom: 0, replicates: 0, probes: 0, refine: 0, short_list: 0, confirm: 0 }
+    }
+
     /// Runs that a plan takes at most, for `effects` that are simulated.
     pub fn total(self, effects: usize) -> usize {
         self.base
