@@ -1,6 +1,7 @@
 //! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`, `peers`, `scratch`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
+mod blind;
 mod ci;
 mod dosta;
 mod peers;
@@ -45,6 +46,8 @@ enum Task {
     Dosta(dosta::Options),
     /// Tumble beside LAMMPS and LIGGGHTS on the same drum; see docs/performance.md.
     Peers(peers::Peers),
+    /// Sealed cases with effects that nobody declares: make them, score closing the loop on them.
+    Blind(blind::Blind),
     /// One timed run of Tumble (started by `peers`).
     #[command(hide = true)]
     PeersWorker(peers::Worker),
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
         Task::Scratch => scratch::run(),
         Task::Dosta(options) => dosta::run(&options),
         Task::Peers(options) => peers::run(&options),
+        Task::Blind(blind) => blind::run(&blind),
         Task::PeersWorker(work) => peers::run_worker(&work),
         Task::PeersMemoryWorker(work) => peers::run_memory_worker(&work),
     };
