@@ -1,8 +1,9 @@
 //! Closing the loop on a table of given simulated responses.
 //!
 //! A table cannot be asked for an effect that it does not hold, so the candidates are those that
-//! act on the reading alone: offsets of the circle, definitions of the lines, the radius. Whatever
-//! is left must be physics that the table lacks, and is named as not in the catalogue.
+//! follow from it: offsets of the circle, definitions of the lines, the radius, a camera that was
+//! turned, a drum that turned faster or slower than was written down. Whatever is left is physics
+//! that the table lacks, and is called not in the catalogue.
 
 use calib::attribution::{Attribution, Candidate, Finding, Settings, Verdict};
 use calib::{CalibError, Observations, Predicted, Problem, Simulator, Study, Surrogate};
@@ -22,6 +23,17 @@ struct Misread<'a> {
 
 impl Misread<'_> {
     fn change(&self, strength: f64, mean: &mut [f64]) {
+        if self.path == "camera.roll_deg" {
+            // The picture turns about the drum's axis: angles shift, the centre goes round.
+            let turn = strength - self.null;
+            let (sin, cos) = turn.to_radians().sin_cos();
+            for four in mean.chunks_exact_mut(4) {
+                let (x, y) = (four[2], four[3]);
+                four[0] += turn;
+                four[1] += turn;
+                (four[2], four[3]) = (x * cos + y * sin, y * cos - x * sin);
+            }
+        }
         for (i, v) in mean.iter_mut().enumerate() {
             match (self.path.as_str(), i % 4) {
                 ("measure.bias_lin_deg", 0)
@@ -51,10 +63,25 @@ impl Simulator for Misread<'_> {
         let Some((strength, base)) = theta.split_last().filter(|_| theta.len() == expected) else {
             return Err(CalibError::Parameters { expected, given: theta.len() });
         };
-        let mut predicted = self.base.predict(base, speeds_rpm)?;
+        let mut predicted = if self.path == "speed.scale" {
+            // The drum turned at another speed than was written down; beyond the table's range
+            // its end stands in.
+            let (low, high) = self.base.speed_range_rpm();
+            let true_speed = |s: &f64| (s * strength / self.null).clamp(low, high);
+            let speeds: Vec<f64> = speeds_rpm.iter().map(true_speed).collect();
+            self.base.predict(base, &speeds)?
+        } else {
+            self.base.predict(base, speeds_rpm)?
+        };
         self.change(*strength, &mut predicted.mean);
         Ok(predicted)
     }
+}
+
+/// Whether an effect follows from a table without another simulation.
+fn can_be_read(path: &str) -> bool {
+    matches!(path, "camera.roll_deg" | "speed.scale")
+        || (path.starts_with("measure.") && path != "measure.threshold_bias")
 }
 
 /// Close the loop of a case whose simulator is a table.
@@ -75,7 +102,7 @@ pub fn close_with_table(
     let all = Catalogue::of(&case.rig, &taken).without(&case.catalogue.without);
     let (effects, mut left_out) = (all.effects, all.left_out);
     let (reading, other): (Vec<Effect>, Vec<Effect>) =
-        effects.into_iter().partition(|e| e.path.starts_with("measure."));
+        effects.into_iter().partition(|e| can_be_read(&e.path));
     left_out.extend(other.iter().map(|e| {
         (e.path.clone(), "the table of simulated responses does not vary it".to_owned())
     }));
