@@ -9,6 +9,7 @@ pub use {drum_film, drum_rig, drum_vision, rig_schema};
 
 mod error;
 mod observatory;
+pub mod plan;
 
 pub use error::CampaignError;
 pub use observatory::{Observatory, Observed, Resolution};

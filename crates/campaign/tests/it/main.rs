@@ -1,0 +1,5 @@
+//! Campaigns as a caller meets them: interrupted, altered, repeated.
+
+mod faults;
+mod killed;
+mod small;
