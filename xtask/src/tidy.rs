@@ -29,6 +29,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("calib", &["doe", "rig-schema"]),
     ("calib-report", &[]),
     ("campaign", &["drum-rig", "drum-film", "drum-vision", "doe", "rig-schema"]),
+    ("close-loop", &["campaign", "calib", "rig-schema"]),
 ];
 
 /// Crates that stand above all others and may use every one.

@@ -32,6 +32,13 @@ impl Factored {
         Ok(Self { lower, log_det })
     }
 
+    /// L, row-major, zeros above the diagonal.
+    pub(crate) fn lower(&self) -> Vec<f64> {
+        let n = self.lower.nrows();
+        let at = |k: usize| if k % n <= k / n { self.lower[(k / n, k % n)] } else { 0.0 };
+        (0..n * n).map(at).collect()
+    }
+
     /// `L^-1 v`: a vector whose elements have unit variance and no correlation.
     pub(crate) fn whiten(&self, v: &[f64]) -> Vec<f64> {
         let mut rhs = Mat::from_fn(v.len(), 1, |i, _| v[i]);

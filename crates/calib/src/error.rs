@@ -129,4 +129,56 @@ pub enum CalibError {
     /// Cases to be fitted together share nothing.
     #[error("no parameter is shared by all cases; expected one label `shared` that every case has")]
     NothingShared,
+    /// Two lists that belong together have different lengths.
+    #[error("{given} {what}; expected {expected}")]
+    Lengths {
+        /// Of what.
+        what: &'static str,
+        /// Expected length.
+        expected: usize,
+        /// Given length.
+        given: usize,
+    },
+    /// Too few observations to judge a model.
+    #[error(
+        "no verdict can be reached: {observations} observations for {parameters} parameters of `{model}`; expected more observations than parameters (more speeds or more responses)"
+    )]
+    TooFewObservations {
+        /// Model or candidate.
+        model: String,
+        /// Observations.
+        observations: usize,
+        /// Fitted parameters.
+        parameters: usize,
+    },
+    /// A speed at which a model cannot predict.
+    #[error("`{model}` covers {low} to {high} rpm; there is an observation at {omega_rpm} rpm")]
+    SpeedRange {
+        /// Model or candidate.
+        model: String,
+        /// Speed of an observation, rpm.
+        omega_rpm: f64,
+        /// Lowest speed that the model covers, rpm.
+        low: f64,
+        /// Highest speed that the model covers, rpm.
+        high: f64,
+    },
+    /// A candidate effect that cannot be used.
+    #[error("candidate `{name}`: {fault}")]
+    Candidate {
+        /// Path.
+        name: String,
+        /// What is wrong, with what was expected.
+        fault: String,
+    },
+    /// A setting of the attribution that cannot be used.
+    #[error("setting `{name}` is {value}; expected {expected}")]
+    Setting {
+        /// Which.
+        name: &'static str,
+        /// Value given.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
 }

@@ -11,6 +11,7 @@
 //! profile-likelihood intervals, a posterior on a grid, the identifiability of each parameter,
 //! goodness of fit and the joint fit over configurations that share a parameter.
 
+pub mod attribution;
 mod bootstrap;
 mod covariance;
 mod duplicates;

@@ -55,4 +55,15 @@ pub trait Simulator {
     /// # Errors
     /// [`CalibError`] if the parameters do not fit or a response is not finite.
     fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError>;
+
+    /// Responses without their covariance, for searches that hold it.
+    ///
+    /// Worth overriding where the covariance is most of the work; must equal the mean of
+    /// [`Simulator::predict`].
+    ///
+    /// # Errors
+    /// As [`Simulator::predict`].
+    fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
+        self.predict(theta, speeds_rpm).map(|p| p.mean)
+    }
 }

@@ -139,6 +139,35 @@ impl Surrogate {
         std::iter::once(omega_rpm).chain(values).collect()
     }
 
+    /// Terms of the regression at each speed.
+    fn rows(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<Vec<f64>>, CalibError> {
+        let expected = self.held.iter().filter(|h| h.is_none()).count();
+        if theta.len() != expected {
+            return Err(CalibError::Parameters { expected, given: theta.len() });
+        }
+        let model = self.fits[0].model();
+        Ok(speeds_rpm.iter().map(|omega| model.row(&self.point(*omega, theta))).collect())
+    }
+
+    fn means(
+        &self,
+        rows: &[Vec<f64>],
+        theta: &[f64],
+        speeds_rpm: &[f64],
+    ) -> Result<Vec<f64>, CalibError> {
+        let mut mean = Vec::with_capacity(4 * rows.len());
+        for (row, omega) in rows.iter().zip(speeds_rpm) {
+            for fitted in &self.fits {
+                let value: f64 = row.iter().zip(fitted.coefficients()).map(|(a, b)| a * b).sum();
+                if !value.is_finite() {
+                    return Err(CalibError::NotFinite { omega_rpm: *omega, theta: theta.to_vec() });
+                }
+                mean.push(value);
+            }
+        }
+        Ok(mean)
+    }
+
     /// The regression of one response.
     pub fn fit(&self, response: Response) -> &Fit {
         &self.fits[response.index()]
@@ -184,25 +213,9 @@ impl Simulator for Surrogate {
     }
 
     fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
-        if theta.len() != self.parameters.len() {
-            return Err(CalibError::Parameters {
-                expected: self.parameters.len(),
-                given: theta.len(),
-            });
-        }
+        let rows = self.rows(theta, speeds_rpm)?;
+        let mean = self.means(&rows, theta, speeds_rpm)?;
         let first = &self.fits[0];
-        let rows: Vec<Vec<f64>> =
-            speeds_rpm.iter().map(|omega| first.model().row(&self.point(*omega, theta))).collect();
-        let mut mean = Vec::with_capacity(4 * rows.len());
-        for (row, omega) in rows.iter().zip(speeds_rpm) {
-            for fitted in &self.fits {
-                let value: f64 = row.iter().zip(fitted.coefficients()).map(|(a, b)| a * b).sum();
-                if !value.is_finite() {
-                    return Err(CalibError::NotFinite { omega_rpm: *omega, theta: theta.to_vec() });
-                }
-                mean.push(value);
-            }
-        }
         let scale: Vec<f64> = self.fits.iter().map(Fit::rmse).collect();
         let p = first.coefficients().len();
         let spread: Vec<Vec<f64>> = rows
@@ -230,5 +243,9 @@ impl Simulator for Surrogate {
             }
         }
         Ok(Predicted { mean, covariance })
+    }
+
+    fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
+        self.means(&self.rows(theta, speeds_rpm)?, theta, speeds_rpm)
     }
 }

@@ -37,7 +37,7 @@ pub enum CampaignError {
     #[error("the design cannot be made: {0}")]
     Design(#[from] doe::DoeError),
     /// A run of a plan cannot be carried out.
-    #[error("run {index} of the plan ({values}) cannot be carried out: {source}")]
+    #[error("run {index} of the plan ({values}) cannot be carried out")]
     Row {
         /// Number of the run.
         index: u64,
@@ -57,7 +57,7 @@ pub enum CampaignError {
         expected: String,
     },
     /// Reading or writing failed.
-    #[error("{doing} {path}: {source}")]
+    #[error("{doing} {path} failed")]
     Io {
         /// What was being done.
         doing: &'static str,
@@ -66,9 +66,6 @@ pub enum CampaignError {
         /// Words of the operating system.
         source: std::io::Error,
     },
-    /// A value that JSON cannot hold.
-    #[error("a value cannot be written as JSON: {0}")]
-    Json(serde_json::Error),
     /// A file of the campaign is not as it was written.
     #[error("{path} is not as it was written: {problem}; expected the file as written ({remedy})")]
     Altered {
@@ -148,5 +145,59 @@ pub enum CampaignError {
         problem: String,
         /// What was expected.
         expected: &'static str,
+    },
+    /// A kept file cannot be used.
+    #[error("{file} {what}")]
+    Kept {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// A file could not be written.
+    #[error("cannot write {path}")]
+    Unwritable {
+        /// The file or folder.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file could not be read.
+    #[error("cannot read {path}")]
+    Unreadable {
+        /// The file.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A result could not be put into words.
+    #[error("cannot write {what} as JSON")]
+    Json {
+        /// What it was.
+        what: &'static str,
+        /// What went wrong.
+        source: serde_json::Error,
+    },
+    /// Too few frames of a speed could be measured.
+    #[error(
+        "at {speed_rpm} rpm only {measured} frames could be measured, expected two or more; first reason: {}",
+        reason.as_deref().unwrap_or("none was rejected")
+    )]
+    Unseen {
+        /// The speed.
+        speed_rpm: f64,
+        /// Frames that were measured.
+        measured: usize,
+        /// Why the first of the others was not.
+        reason: Option<String>,
+    },
+    /// A stop was asked for.
+    #[error("stopped before it was done")]
+    Stopped,
+    /// An equal rig of the same list failed.
+    #[error("the equal rig number {index} of the list failed")]
+    Twin {
+        /// Place of the equal rig.
+        index: usize,
     },
 }

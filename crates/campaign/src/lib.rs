@@ -8,10 +8,12 @@
 pub use {drum_film, drum_rig, drum_vision, rig_schema};
 
 mod error;
+mod laboratory;
 mod observatory;
 pub mod plan;
 
 pub use error::CampaignError;
+pub use laboratory::{Done, Footage, Laboratory, Run, Sampling, SpeedRow};
 pub use observatory::{Observatory, Observed, Resolution};
 
 /// The examples of the README, compiled.

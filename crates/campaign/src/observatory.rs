@@ -1,13 +1,13 @@
 //! The camera and the reader of one rig.
 
 use drum_film::image::RgbImage;
-use drum_film::{Film, Sphere, Studio};
+use drum_film::{Film, Studio};
 use drum_rig::{Options, Sampled};
 use drum_vision::series::{SeriesReport, summarise};
 use drum_vision::{Context, Frame, VisionConfig, measure_frame};
 use rig_schema::{Layer, Rig, Shape, namespace};
 
-use crate::CampaignError;
+use crate::{CampaignError, Footage};
 
 /// Size of the frames and fineness of the exposure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,22 +122,8 @@ impl Observatory {
     ///
     /// # Errors
     /// [`CampaignError::Film`] if the frame cannot be drawn.
-    pub fn frame(&self, sampled: &Sampled, index: usize) -> Result<RgbImage, CampaignError> {
-        let instants: Vec<Vec<Sphere>> = sampled.frames[index]
-            .exposures
-            .iter()
-            .map(|e| {
-                let per_body = sampled.grains.spheres_per_particle().max(1);
-                e.balls(&sampled.grains)
-                    .enumerate()
-                    .map(|(k, b)| Sphere {
-                        body: (k / per_body) as u32,
-                        ..Sphere::new(to_film(b.centre), b.radius)
-                    })
-                    .collect()
-            })
-            .collect();
-        Ok(self.studio.exposed_frame(&instants, index as u64)?.image)
+    pub fn frame(&self, footage: &Footage, index: usize) -> Result<RgbImage, CampaignError> {
+        Ok(self.studio.exposed_frame(footage.instants(index), index as u64)?.image)
     }
 
     /// Film and measure everything that was sampled at one speed.
@@ -146,13 +132,21 @@ impl Observatory {
     /// [`CampaignError`] for frames that cannot be drawn; one that cannot be measured is in the
     /// report's `rejected`.
     pub fn observe(&self, sampled: &Sampled) -> Result<Observed, CampaignError> {
+        self.observe_footage(&Footage::of(sampled))
+    }
+
+    /// Film and measure a footage.
+    ///
+    /// # Errors
+    /// As [`Observatory::observe`].
+    pub fn observe_footage(&self, footage: &Footage) -> Result<Observed, CampaignError> {
         let mut vision = self.vision.clone();
-        vision.rig.speed_rpm = Some(sampled.speed_rpm);
+        vision.rig.speed_rpm = Some(footage.speed_rpm);
         let mut outcomes = Vec::new();
         let mut preview = Vec::new();
-        let every = sampled.frames.len().div_ceil(PREVIEW).max(1);
-        for index in 0..sampled.frames.len() {
-            let picture = self.frame(sampled, index)?;
+        let every = footage.frames.len().div_ceil(PREVIEW).max(1);
+        for index in 0..footage.frames.len() {
+            let picture = self.frame(footage, index)?;
             let (width, height) = picture.dimensions();
             let frame = Frame::from_rgb(width as usize, height as usize, picture.as_raw().clone())
                 .ok_or(CampaignError::Picture { width, height })?;
@@ -162,11 +156,6 @@ impl Observatory {
                 preview.push(picture);
             }
         }
-        Ok(Observed { speed_rpm: sampled.speed_rpm, report: summarise(outcomes, &vision), preview })
+        Ok(Observed { speed_rpm: footage.speed_rpm, report: summarise(outcomes, &vision), preview })
     }
-}
-
-/// The rig and the film have the same axes: z along the drum's axis, x to the raised side, y up.
-fn to_film(centre: drum_rig::dem_core::glam::DVec3) -> drum_film::glam::DVec3 {
-    drum_film::glam::DVec3::new(centre.x, centre.y, centre.z)
 }

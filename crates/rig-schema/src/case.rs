@@ -112,6 +112,18 @@ pub struct Case {
     pub holdout: Holdout,
     /// What predicts responses.
     pub simulator: Simulator,
+    /// Which effects are tried when a loop is closed.
+    pub catalogue: CatalogueChoice,
+}
+
+/// Which effects of the catalogue are tried; a name is a path or a group of paths.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CatalogueChoice {
+    /// Only these, where any are named.
+    pub only: Vec<String>,
+    /// All but these.
+    pub without: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -149,8 +161,9 @@ impl Case {
         let free = take_free(&mut doc)?;
         let nuisance = take_nuisance(&mut doc)?;
         let holdout = doc.take("holdout")?.unwrap_or_default();
+        let catalogue = take_catalogue(&mut doc)?;
         let rig = Rig::take(&mut doc)?;
-        doc.finish(&known_keys(&["data", "free", "nuisance", "holdout", "simulator"]))?;
+        doc.finish(&known_keys(&["data", "free", "nuisance", "holdout", "simulator", "catalogue"]))?;
         Ok(Self {
             rig,
             data: data.into_inner(),
@@ -158,6 +171,7 @@ impl Case {
             nuisance,
             holdout,
             simulator: simulator.into_inner(),
+            catalogue,
         })
     }
 
@@ -190,6 +204,24 @@ fn check_simulator(
         return Err(doc.error(simulator.span(), "m0 is not a friction", "a number above 0"));
     }
     Ok(())
+}
+
+fn take_catalogue(doc: &mut Document<'_>) -> Result<CatalogueChoice, SchemaError> {
+    let Some(choice) = doc.take::<toml::Spanned<CatalogueChoice>>("catalogue")? else {
+        return Ok(CatalogueChoice::default());
+    };
+    let named = choice.get_ref().only.iter().chain(&choice.get_ref().without);
+    let known = |name: &String| {
+        namespace::find(name).is_some() || namespace::groups().contains(&name.as_str())
+    };
+    if let Some(name) = named.into_iter().find(|n| !known(n)) {
+        return Err(doc.error(
+            choice.span(),
+            format!("unknown effect `{name}`"),
+            format!("a parameter or a group; the nearest parameter is `{}`", namespace::nearest(name)),
+        ));
+    }
+    Ok(choice.into_inner())
 }
 
 fn take_free(doc: &mut Document<'_>) -> Result<Vec<Free>, SchemaError> {

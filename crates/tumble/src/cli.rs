@@ -1,6 +1,10 @@
 //! Arguments.
 
+mod closing;
+
 use std::path::PathBuf;
+
+pub(crate) use closing::CloseLoopArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rig_schema::ErrataLevel;
@@ -28,6 +32,12 @@ pub(crate) enum Command {
         after_help = "Examples:\n  tumble calibrate AZ4_Steel\n  tumble calibrate my_case.toml --out results\n  tumble calibrate AZ1_Plexi AZ2_Plexi AZ1_Steel AZ2_Steel   # one bead friction for all"
     )]
     Calibrate(CalibrateArgs),
+    /// Find the residual that calibration leaves, name the effect behind it, add it, and report
+    /// the error before and after.
+    #[command(
+        after_help = "Examples:\n  tumble close-loop                                  # a small embedded drum\n  tumble close-loop my_case.toml --budget 20min\n  tumble close-loop AZ1_Plexi                        # a table of given simulated responses"
+    )]
+    CloseLoop(CloseLoopArgs),
     /// Simulate a drum, film it, and measure the film like photographs.
     #[command(
         after_help = "Example:\n  tumble simulate AZ1_Plexi --speeds 17 --set friction.pp=0.5 --set exposure.seconds=0"

@@ -48,6 +48,7 @@ pub(crate) fn is_input_fault(error: &anyhow::Error) -> bool {
             || e.is::<drum_vision::VisionError>()
             || e.is::<drum_film::Error>()
             || e.is::<campaign::CampaignError>()
+            || e.downcast_ref().is_some_and(crate::command::close_loop::is_input_fault)
             || e.is::<campaign::drum_rig::Error>()
     })
 }
@@ -112,6 +113,37 @@ impl Place {
             }
         }
     }
+}
+
+/// A case file with its measured table, whatever its simulator is.
+pub(crate) struct CaseText {
+    /// What the user asked for.
+    pub(crate) asked: String,
+    pub(crate) case: Text,
+    pub(crate) measured: Text,
+}
+
+/// Read a case by file or built-in name; without one, the embedded drum.
+pub(crate) fn case_text(name: Option<&str>) -> anyhow::Result<CaseText> {
+    let Some(name) = name else {
+        return Ok(CaseText {
+            asked: String::new(),
+            case: fixture("demo/drum.toml")?,
+            measured: fixture("demo/measured.csv")?,
+        });
+    };
+    let path = Path::new(name);
+    let (case, place) = if path.is_file() || path.extension().is_some() {
+        (read(path)?, Place::Folder(path.parent().map(Path::to_path_buf).unwrap_or_default()))
+    } else if let Some(known) = built_in(name) {
+        (fixture(&format!("thesis/cases/{}.toml", known.to_lowercase()))?, Place::BuiltIn)
+    } else {
+        let known = tumble_fixtures::CASES.join(", ");
+        return Err(InputError::NoCase { name: name.to_owned(), known }.into());
+    };
+    let responses = Case::parse(&case.name, &case.text)?.data.responses;
+    let measured = place.read(&responses)?;
+    Ok(CaseText { asked: name.to_owned(), case, measured })
 }
 
 /// Load a case by file or built-in name.

@@ -20,6 +20,7 @@ fn main() -> ExitCode {
         Command::Cases(args) => command::cases::run(args),
         Command::Fit(args) => command::fit::run(args),
         Command::Calibrate(args) => command::calibrate::run(args),
+        Command::CloseLoop(args) => command::close_loop::run(args),
         Command::Simulate(args) => command::simulate::run(args),
         Command::Measure(args) => command::measure::run(args),
         Command::Roi(args) => command::roi::run(args),

@@ -1,4 +1,5 @@
 //! Calibration against closed forms and the published tables.
 
+mod attribution;
 mod closed_form;
 mod thesis;

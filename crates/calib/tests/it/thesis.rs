@@ -19,7 +19,7 @@ fn measured(name: &str) -> MeasuredTable {
     MeasuredTable::parse(&file, text).expect("reads")
 }
 
-fn surrogate(name: &str) -> Surrogate {
+pub(crate) fn surrogate(name: &str) -> Surrogate {
     Surrogate::from_table(&simulated(name), &COLUMNS, &Basis::Quadratic).expect("fits")
 }
 
@@ -52,7 +52,7 @@ fn the_duplicated_table_and_row_are_found_and_nothing_else() {
 }
 
 /// The friction problem of one configuration, errata applied as the binary does by default.
-fn problem<'s>(name: &str, surrogate: &'s Surrogate) -> Problem<'s> {
+pub(crate) fn problem<'s>(name: &str, surrogate: &'s Surrogate) -> Problem<'s> {
     let errata =
         Errata::parse("errata.csv", read("thesis/errata.csv").expect("fixture")).expect("reads");
     let mut table = measured(name);

@@ -73,14 +73,16 @@ struct Sealed<T> {
 
 /// BLAKE3 of the compact JSON of a value.
 pub(crate) fn checksum<T: Serialize>(content: &T) -> Result<String, CampaignError> {
-    let text = serde_json::to_string(content).map_err(CampaignError::Json)?;
+    let text = serde_json::to_string(content)
+        .map_err(|source| CampaignError::Json { what: "a file of a campaign", source })?;
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }
 
 /// A value as JSON for people, with its checksum.
 pub(crate) fn seal<T: Serialize>(content: &T) -> Result<String, CampaignError> {
     let sealed = Sealed { checksum: checksum(content)?, content };
-    let mut text = serde_json::to_string_pretty(&sealed).map_err(CampaignError::Json)?;
+    let mut text = serde_json::to_string_pretty(&sealed)
+        .map_err(|source| CampaignError::Json { what: "a file of a campaign", source })?;
     text.push('\n');
     Ok(text)
 }

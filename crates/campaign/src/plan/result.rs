@@ -107,7 +107,9 @@ impl FailureClass {
     /// Class of an error.
     pub fn of(error: &CampaignError) -> Self {
         match error {
-            CampaignError::Io { .. } => Self::Io,
+            CampaignError::Io { .. }
+            | CampaignError::Unwritable { .. }
+            | CampaignError::Unreadable { .. } => Self::Io,
             CampaignError::Altered { .. }
             | CampaignError::Rig(
                 drum_rig::Error::Checkpoint { .. } | drum_rig::Error::OtherRig { .. },
@@ -116,7 +118,7 @@ impl FailureClass {
             | CampaignError::Vision(_)
             | CampaignError::Picture { .. }
             | CampaignError::Parameter { .. } => Self::Measuring,
-            CampaignError::Fault { .. } | CampaignError::Json(_) => Self::Fault,
+            CampaignError::Fault { .. } | CampaignError::Json { .. } => Self::Fault,
             CampaignError::Row { source, .. } => Self::of(source),
             _ => Self::Physics,
         }

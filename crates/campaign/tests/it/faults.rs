@@ -8,7 +8,7 @@ use campaign::plan::{
     Campaign, Event, FailureClass, Freeze, Manifest, RowOutcome, RowState, RunOptions,
 };
 
-use crate::small::{PLAN, campaign, freeze, run, with};
+use crate::small::{PLAN, campaign, freeze, run, with, words};
 
 fn frozen(plan: &str) -> Result<Manifest, CampaignError> {
     Manifest::freeze("plan.toml", plan, &freeze())
@@ -16,7 +16,7 @@ fn frozen(plan: &str) -> Result<Manifest, CampaignError> {
 
 /// Words of the refusal of a plan.
 fn refused(plan: &str) -> String {
-    frozen(plan).expect_err("is refused").to_string()
+    words(&frozen(plan).expect_err("is refused"))
 }
 
 #[test]

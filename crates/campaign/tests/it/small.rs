@@ -18,9 +18,9 @@ friction.mantle = 0.6
 restitution = { pp = 0.7, mantle = 0.7 }
 rolling = { pp = 0.01, mantle = 0.01 }
 camera.distance_m = 0.1
-run = { speeds_rpm = [60.0], frames = 5, seed = 11 }
+run = { speeds_rpm = [60.0], frames = 4, seed = 11 }
 [materials]
-glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 5e5 }
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 2e5 }
 "#;
 
 /// Small frames.
@@ -44,4 +44,15 @@ pub(crate) fn run(campaign: &Campaign, jobs: usize) -> Summary {
 pub(crate) fn with(from: &str, to: &str) -> String {
     assert!(PLAN.contains(from), "{from}");
     PLAN.replacen(from, to, 1)
+}
+
+/// An error with its causes.
+pub(crate) fn words(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(e) = cause {
+        text = format!("{text}: {e}");
+        cause = e.source();
+    }
+    text
 }

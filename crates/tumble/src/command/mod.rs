@@ -2,6 +2,7 @@
 
 pub(crate) mod calibrate;
 pub(crate) mod cases;
+pub(crate) mod close_loop;
 pub(crate) mod film;
 pub(crate) mod fit;
 pub(crate) mod measure;

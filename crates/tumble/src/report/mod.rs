@@ -1,6 +1,7 @@
 //! Results as pages, tables and JSON.
 
 pub(crate) mod calibration;
+pub(crate) mod closing;
 pub(crate) mod diagnostics;
 pub(crate) mod json;
 

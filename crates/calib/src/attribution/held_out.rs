@@ -1,0 +1,213 @@
+//! Errors at data that were not fitted, with and without an effect.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rig_schema::Response;
+
+use super::data::Data;
+use super::linear::covariance;
+use super::model::Model;
+use super::solver::{FINE, Search};
+use super::{HeldOut, HeldOutResponse};
+use crate::CalibError;
+
+/// One predicted point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Predicted {
+    pub(super) omega_rpm: f64,
+    pub(super) response: Response,
+    /// Measured minus predicted.
+    pub(super) error: f64,
+    /// Variance of measurement and simulator.
+    pub(super) noise: f64,
+    /// The same with that of the fitted parameters and nuisances.
+    pub(super) total: f64,
+}
+
+/// Fit on `train` from starts in unit ranges, predict `test`.
+pub(super) fn predict(
+    model: &Model<'_>,
+    train: &Data,
+    test: &Data,
+    starts: &[Vec<f64>],
+) -> Result<Vec<Predicted>, CalibError> {
+    let Some(first) = starts.first() else { return Ok(Vec::new()) };
+    let at_first = model.predict(&model.theta(first), &train.speeds)?;
+    let weight = train.weight(&at_first, None)?;
+    let search = Search { model, data: train, weight: &weight };
+    let mut points = Vec::new();
+    for unit in starts {
+        points.push(search.point_at(unit)?);
+    }
+    let Some(solved) = search.best(&train.y, &points, FINE)? else { return Ok(Vec::new()) };
+    let point = search.point_at(&solved.unit)?;
+    // A strength or friction at an end of its range does not scatter beyond it: the prior keeps
+    // the spread within the range.
+    let spread = covariance(&point.columns, 12.0);
+    let nuisance = train.nuisance_posterior(&weight, &solved.white);
+    let there = model.predict(&model.theta(&solved.unit), &test.speeds)?;
+    let mean = test.pick(&there.mean);
+    let slopes = raw_slopes(model, test, &solved.unit, &mean)?;
+    Ok((0..test.len())
+        .map(|i| {
+            let shift: f64 = test.nuisance.iter().zip(&nuisance).map(|(g, n)| g[i] * n.0).sum();
+            let noise = test.variance(i, &there);
+            let unknown: f64 =
+                test.nuisance.iter().zip(&nuisance).map(|(g, n)| g[i] * g[i] * n.1).sum();
+            let fitted = spread.as_ref().map_or(0.0, |c| {
+                let row = |a: usize| (0..c.len()).map(|b| c[a][b] * slopes[b][i]).sum::<f64>();
+                (0..c.len()).map(|a| slopes[a][i] * row(a)).sum()
+            });
+            Predicted {
+                omega_rpm: test.items[i].omega_rpm,
+                response: test.items[i].response,
+                error: test.y[i] - mean[i] - shift,
+                noise,
+                total: noise + unknown + fitted,
+            }
+        })
+        .collect())
+}
+
+fn raw_slopes(
+    model: &Model<'_>,
+    data: &Data,
+    unit: &[f64],
+    mean: &[f64],
+) -> Result<Vec<Vec<f64>>, CalibError> {
+    let mut slopes = Vec::new();
+    for k in 0..unit.len() {
+        let step = if unit[k] > 0.5 { -1e-4 } else { 1e-4 };
+        let mut moved = unit.to_vec();
+        moved[k] += step;
+        let there = data.pick(&model.expected(&model.theta(&moved), &data.speeds)?);
+        slopes.push(there.iter().zip(mean).map(|(a, b)| (a - b) / step).collect());
+    }
+    Ok(slopes)
+}
+
+/// Predictions of the same points by two models.
+pub(super) struct Compared {
+    pub(super) before: Vec<Predicted>,
+    pub(super) after: Vec<Predicted>,
+    pub(super) folds: usize,
+}
+
+impl Compared {
+    /// Mean over the points of the squared error in standard deviations, before less after.
+    pub(super) fn gain(&self) -> Option<f64> {
+        let n = self.before.len();
+        let each = self.before.iter().zip(&self.after).map(|(b, a)| difference(b, a));
+        (n > 0).then(|| each.sum::<f64>() / n as f64)
+    }
+
+    /// Mean squared error with the effect in squared standard deviations of its prediction.
+    pub(super) fn surprise(&self) -> Option<f64> {
+        let n = self.after.len();
+        let each = self.after.iter().map(|a| a.error * a.error / a.total);
+        (n > 0).then(|| each.sum::<f64>() / n as f64)
+    }
+
+    /// Responses whose error grows by more than one standard deviation of the prediction.
+    pub(super) fn worsened(&self) -> Vec<Response> {
+        let mut worse = Vec::new();
+        for r in Response::ALL {
+            let of: Vec<(&Predicted, &Predicted)> =
+                self.before.iter().zip(&self.after).filter(|(b, _)| b.response == r).collect();
+            if of.is_empty() {
+                continue;
+            }
+            let mean = |f: &dyn Fn(&(&Predicted, &Predicted)) -> f64| {
+                (of.iter().map(f).sum::<f64>() / of.len() as f64).sqrt()
+            };
+            let before = mean(&|(b, a)| b.error * b.error / a.total);
+            let after = mean(&|(_, a)| a.error * a.error / a.total);
+            if after - before > 1.0 {
+                worse.push(r);
+            }
+        }
+        worse
+    }
+
+    /// For the report.
+    pub(super) fn report(&self, kind: &'static str, name: &str, seed: u64) -> HeldOut {
+        let both: Vec<(&Predicted, &Predicted)> = self.before.iter().zip(&self.after).collect();
+        let responses = Response::ALL
+            .into_iter()
+            .filter_map(|r| {
+                let of: Vec<_> = both.iter().filter(|(b, _)| b.response == r).collect();
+                if of.is_empty() {
+                    return None;
+                }
+                let n = of.len() as f64;
+                let mean = |f: &dyn Fn(&(&Predicted, &Predicted)) -> f64| {
+                    of.iter().map(|p| f(p)).sum::<f64>() / n
+                };
+                let before = mean(&|(b, _)| b.error * b.error);
+                let after = mean(&|(_, a)| a.error * a.error);
+                let floor = mean(&|(b, _)| b.noise);
+                Some(HeldOutResponse {
+                    response: r.column(),
+                    points: of.len(),
+                    before: before.sqrt(),
+                    after: after.sqrt(),
+                    before_sd: mean(&|(b, _)| b.error * b.error / b.noise).sqrt(),
+                    after_sd: mean(&|(b, a)| a.error * a.error / b.noise).sqrt(),
+                    floor: floor.sqrt(),
+                    removed: removed(before, after, floor),
+                })
+            })
+            .collect();
+        let n = both.len().max(1) as f64;
+        let before = both.iter().map(|(b, _)| b.error * b.error / b.noise).sum::<f64>() / n;
+        let after = both.iter().map(|(b, a)| a.error * a.error / b.noise).sum::<f64>() / n;
+        HeldOut {
+            kind,
+            name: name.to_owned(),
+            folds: self.folds,
+            responses,
+            removed: removed(before, after, 1.0),
+            permutation_p: self.permutation_p(seed),
+        }
+    }
+
+    /// Before and after exchanged at random, all responses of a speed together.
+    fn permutation_p(&self, seed: u64) -> f64 {
+        let mut speeds: Vec<f64> = self.before.iter().map(|b| b.omega_rpm).collect();
+        speeds.sort_by(f64::total_cmp);
+        speeds.dedup();
+        let block = |s: &f64| -> f64 {
+            let both = self.before.iter().zip(&self.after);
+            both.filter(|(b, _)| b.omega_rpm == *s).map(|(b, a)| difference(b, a)).sum()
+        };
+        let blocks: Vec<f64> = speeds.iter().map(block).collect();
+        let observed: f64 = blocks.iter().sum();
+        let reached = |sum: f64| usize::from(sum >= observed - 1e-12 * observed.abs());
+        if blocks.len() <= 12 {
+            let all = 1usize << blocks.len();
+            let sum = |k: usize| -> f64 {
+                let signed = |(i, b): (usize, &f64)| if k >> i & 1 == 0 { *b } else { -b };
+                blocks.iter().enumerate().map(signed).sum()
+            };
+            return (0..all).map(|k| reached(sum(k))).sum::<usize>() as f64 / all as f64;
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let draws = 4095;
+        let mut above = 1;
+        for _ in 0..draws {
+            let sum = blocks.iter().map(|b| if rng.random::<bool>() { *b } else { -b }).sum();
+            above += reached(sum);
+        }
+        above as f64 / (draws + 1) as f64
+    }
+}
+
+fn difference(before: &Predicted, after: &Predicted) -> f64 {
+    (before.error * before.error - after.error * after.error) / before.noise
+}
+
+/// Part of the mean square above the floor that is gone.
+fn removed(before: f64, after: f64, floor: f64) -> Option<f64> {
+    let excess = before - floor;
+    (excess > 0.0).then(|| 1.0 - (after - floor).max(0.0) / excess)
+}

@@ -1,0 +1,301 @@
+//! Which effect explains the data: every candidate fitted and judged, then pairs.
+//!
+//! A candidate is named if the model with it passes the absolute gate, if its improvement is
+//! more than the best of the catalogue reaches by chance, and if speeds left out agree. Those
+//! that explain the data as well within a stated likelihood ratio join its class whether or not
+//! their own improvement is significant, whatever layer they act on.
+
+use super::Verdict;
+use super::data::Data;
+use super::evidence::{laplace, unknown};
+use super::gate::{Case, Screen};
+use super::held_out::{Compared, predict};
+use super::model::Model;
+use super::solver::{Settled, settle};
+use crate::{CalibError, chi_square_p};
+
+/// Least number of speeds at which leaving one out says something of speeds.
+const LEAST_SPEEDS: usize = 3;
+
+/// Least number of speeds at which both ends can be left out.
+const LEAST_FOR_ENDS: usize = 5;
+
+/// How much better than the level a pair must fit.
+const PAIR_FACTOR: f64 = 10.0;
+
+/// Training and test data of each fold.
+pub(super) struct Folds {
+    pub(super) kind: &'static str,
+    pub(super) folds: Vec<(Data, Data)>,
+}
+
+impl Folds {
+    /// One speed left out; both ends left out; the set that is never fitted.
+    pub(super) fn all(case: &Case<'_, '_>) -> Vec<Self> {
+        let speeds = &case.data.speeds;
+        let o = &case.observations;
+        let most = case.base.len() + 1;
+        let split = |aside: &dyn Fn(f64) -> bool| {
+            let train = o.filter(|x| !aside(x.omega_rpm));
+            let test = o.filter(|x| aside(x.omega_rpm));
+            (train.items.len() > most && !test.items.is_empty())
+                .then(|| (case.prepare(&train), case.prepare(&test)))
+        };
+        let mut sets = Vec::new();
+        if speeds.len() >= LEAST_SPEEDS {
+            let folds = speeds.iter().filter_map(|s| split(&|x| x == *s)).collect();
+            sets.push(Self { kind: "leave one speed out", folds });
+        }
+        if speeds.len() >= LEAST_FOR_ENDS {
+            let ends = (speeds[0], speeds[speeds.len() - 1]);
+            let folds = split(&|x| x == ends.0 || x == ends.1).into_iter().collect();
+            sets.push(Self { kind: "both ends", folds });
+        }
+        if let Some(given) = case.attribution.held_out.as_ref().filter(|g| !g.items.is_empty()) {
+            let folds = vec![(case.prepare(o), case.prepare(given))];
+            sets.push(Self { kind: "given set", folds });
+        }
+        sets.retain(|s| !s.folds.is_empty());
+        sets
+    }
+
+    /// Predictions of all folds by the base and by `model`, fitted near the fits given.
+    pub(super) fn compare(
+        &self,
+        base: (&Model<'_>, &Settled),
+        model: (&Model<'_>, &Settled),
+    ) -> Result<Compared, CalibError> {
+        let mut compared =
+            Compared { before: Vec::new(), after: Vec::new(), folds: self.folds.len() };
+        for (train, test) in &self.folds {
+            let start = [base.1.point.unit.clone()];
+            compared.before.extend(predict(base.0, train, test, &start)?);
+            let mut starts = vec![model.1.point.unit.clone()];
+            starts.push(model.0.unit(&model.0.absent(&base.1.theta)));
+            compared.after.extend(predict(model.0, train, test, &starts)?);
+        }
+        Ok(compared)
+    }
+}
+
+/// One model judged.
+pub(super) struct Judged<'s> {
+    /// Candidates: one or two.
+    pub(super) of: Vec<usize>,
+    pub(super) model: Model<'s>,
+    pub(super) fit: Settled,
+    pub(super) p_absolute: f64,
+    pub(super) p_single: f64,
+    pub(super) p_family: f64,
+    pub(super) gain: Option<f64>,
+    /// Squared error at both ends left out, in squared standard deviations of the prediction.
+    pub(super) at_ends: Option<f64>,
+    pub(super) worsens: Vec<&'static str>,
+    pub(super) objections: Vec<String>,
+    /// Whether it can be in a class: objections to its significance aside.
+    pub(super) explains: bool,
+    pub(super) eligible: bool,
+}
+
+impl Judged<'_> {
+    pub(super) fn dof(&self, case: &Case<'_, '_>) -> usize {
+        case.data.len() - self.model.len()
+    }
+
+    /// Held-out errors against the base: the gain at one speed left out (else of the given set).
+    fn judge_held_out(
+        &mut self,
+        case: &Case<'_, '_>,
+        base: &Settled,
+        folds: &[Folds],
+    ) -> Result<(), CalibError> {
+        for set in folds {
+            let compared = set.compare((&case.base, base), (&self.model, &self.fit))?;
+            if set.kind == "both ends" {
+                self.at_ends = compared.surprise();
+                let n = compared.after.len();
+                let p = self.at_ends.map_or(1.0, |a| chi_square_p(a * n as f64, n));
+                if !(p > case.attribution.settings.level) {
+                    self.objections.push(format!("does not carry over to both ends (p {p:.1e})"));
+                    self.explains = false;
+                }
+                continue;
+            }
+            let gain = compared.gain();
+            self.gain = self.gain.or(gain);
+            if gain.is_some_and(|g| !(g > 0.0)) {
+                self.objections.push(format!("no better at held-out speeds ({})", set.kind));
+                self.explains = false;
+            }
+            for r in compared.worsened() {
+                if !self.worsens.contains(&r.column()) {
+                    self.worsens.push(r.column());
+                }
+            }
+        }
+        if !self.worsens.is_empty() {
+            self.objections.push(format!(
+                "worsens {} at held-out speeds by more than one standard deviation",
+                self.worsens.join(", ")
+            ));
+            self.explains = false;
+        }
+        Ok(())
+    }
+}
+
+/// Everything that was judged, best deviance first.
+pub(super) struct Decision<'s> {
+    pub(super) singles: Vec<Judged<'s>>,
+    pub(super) pairs: Vec<Judged<'s>>,
+    pub(super) folds: Vec<Folds>,
+    pub(super) verdict: Verdict,
+}
+
+/// Fit and judge the candidates; pairs too if `with_pairs` or if no single one will do.
+pub(super) fn decide<'s>(
+    case: &Case<'_, 's>,
+    screen: &Screen,
+    with_pairs: bool,
+) -> Result<Decision<'s>, CalibError> {
+    let settings = &case.attribution.settings;
+    let level = settings.level;
+    let within = 2.0 * settings.class_ratio.ln();
+    let folds = Folds::all(case);
+    let base = &screen.base;
+    let mut singles = Vec::new();
+    for (k, model) in case.singles.iter().enumerate() {
+        let mut judged = fit(case, model, vec![k], base)?;
+        (judged.p_single, judged.p_family) = screen.p_values(k);
+        if !(judged.p_absolute > level) {
+            judged.objections.push(format!("does not fit (p {:.2e})", judged.p_absolute));
+            judged.explains = false;
+        }
+        judged.judge_held_out(case, base, &folds)?;
+        let significant = judged.p_family <= level;
+        if !significant {
+            let p = judged.p_family;
+            judged.objections.push(format!("its improvement may be chance (p {p:.3})"));
+        }
+        judged.eligible = judged.explains && significant;
+        singles.push(judged);
+    }
+    sort(&mut singles);
+    let name = |k: usize| case.attribution.candidates[k].name.clone();
+    let class = class_of(&singles, within);
+    let mut pairs = Vec::new();
+    let verdict = if screen.gate.passes {
+        Verdict::None
+    } else if class.len() == 1 {
+        Verdict::Effect(name(singles[class[0]].of[0]))
+    } else if class.len() > 1 {
+        Verdict::Class(class.iter().map(|i| name(singles[*i].of[0])).collect())
+    } else {
+        pairs = fit_pairs(case, base, &singles, &folds)?;
+        let class = class_of(&pairs, within);
+        if (1..=settings.most_pairs).contains(&class.len()) {
+            let both = |i: &usize| [name(pairs[*i].of[0]), name(pairs[*i].of[1])];
+            Verdict::Pairs(class.iter().map(both).collect())
+        } else {
+            Verdict::Unknown
+        }
+    };
+    if with_pairs && pairs.is_empty() {
+        pairs = fit_pairs(case, base, &singles, &folds)?;
+    }
+    Ok(Decision { singles, pairs, folds, verdict })
+}
+
+fn sort(judged: &mut [Judged<'_>]) {
+    judged.sort_by(|a, b| a.fit.deviance().total_cmp(&b.fit.deviance()));
+}
+
+/// The best that is eligible, and all that explain the data as well.
+fn class_of(judged: &[Judged<'_>], within: f64) -> Vec<usize> {
+    let Some(winner) = judged.iter().position(|j| j.eligible) else { return Vec::new() };
+    let limit = judged[winner].fit.deviance() + within;
+    let also = |i: &usize| judged[*i].explains && judged[*i].fit.deviance() <= limit;
+    let mut class: Vec<usize> = (0..judged.len()).filter(also).collect();
+    class.sort_by_key(|i| (*i != winner, *i));
+    class
+}
+
+fn fit<'s>(
+    case: &Case<'_, 's>,
+    model: &Model<'s>,
+    of: Vec<usize>,
+    base: &Settled,
+) -> Result<Judged<'s>, CalibError> {
+    let absent = model.unit(&model.absent(&base.theta));
+    let frictions = &absent[..model.frictions()];
+    let starts: Vec<Vec<f64>> = model
+        .strength_starts()
+        .into_iter()
+        .map(|s| frictions.iter().copied().chain(s).collect())
+        .collect();
+    let fit = settle(model, &case.data, &starts)?;
+    let p_absolute = chi_square_p(fit.chi2, case.data.len().saturating_sub(model.len()));
+    Ok(Judged {
+        of,
+        model: model.clone(),
+        fit,
+        p_absolute,
+        p_single: 1.0,
+        p_family: 1.0,
+        gain: None,
+        at_ends: None,
+        worsens: Vec::new(),
+        objections: Vec::new(),
+        explains: true,
+        eligible: false,
+    })
+}
+
+/// All pairs.
+///
+/// Two strengths can imitate much that is not in the catalogue, so that a pair is held to more
+/// than a single effect. It is eligible if it fits at ten times the level; if each of its effects
+/// is needed (deviance beyond the class's ratio of either alone) and neither sits at an end of
+/// its range; if speeds left out agree better than with the best single effect; and if it is
+/// more probable than "unknown" at the priors given.
+fn fit_pairs<'s>(
+    case: &Case<'_, 's>,
+    base: &Settled,
+    singles: &[Judged<'s>],
+    folds: &[Folds],
+) -> Result<Vec<Judged<'s>>, CalibError> {
+    let settings = &case.attribution.settings;
+    let candidates = &case.attribution.candidates;
+    let within = 2.0 * settings.class_ratio.ln();
+    let alone = |k: usize| singles.iter().find(|j| j.of[0] == k).map(|j| j.fit.deviance());
+    let best_gain = singles.iter().filter_map(|j| j.gain).fold(0.0, f64::max);
+    let count = (candidates.len() * candidates.len().saturating_sub(1) / 2).max(1) as f64;
+    let unknown = unknown(&case.base, &case.data, base)? + settings.prior_unknown.ln();
+    let prior = (settings.prior_pairs / count).ln();
+    let mut pairs = Vec::new();
+    for a in 0..candidates.len() {
+        for b in a + 1..candidates.len() {
+            let model = Model::pair(&case.attribution.base, &candidates[a], &candidates[b])?;
+            if case.data.len() <= model.len() {
+                continue;
+            }
+            let mut judged = fit(case, &model, vec![a, b], base)?;
+            let needed = [a, b]
+                .into_iter()
+                .all(|k| alone(k).is_some_and(|d| d - judged.fit.deviance() > within));
+            let strengths = &judged.fit.point.unit[model.frictions()..];
+            let inside = strengths.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6);
+            let probable = laplace(&judged.fit) + prior > unknown;
+            let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
+            judged.explains = fits && needed && inside && probable;
+            if judged.explains {
+                judged.judge_held_out(case, base, folds)?;
+                judged.explains &= judged.gain.is_none_or(|g| g > best_gain);
+            }
+            judged.eligible = judged.explains;
+            pairs.push(judged);
+        }
+    }
+    sort(&mut pairs);
+    Ok(pairs)
+}

@@ -1,0 +1,255 @@
+//! From the judgement to plain numbers.
+
+use super::evidence::{Profile, laplace, log_mean, profile, unknown};
+use super::gate::{Case, Screen};
+use super::model::Model;
+use super::next;
+use super::ranking::{Decision, Judged, decide};
+use super::signature::{classes, cosines, detectable, signatures};
+use super::solver::Settled;
+use super::stability::{self, overturn};
+use super::{
+    Attribution, Evidence, Finding, Fit, HeldOut, PairFit, Ranked, ResidualPoint, Verdict,
+};
+use crate::attribution::data::Variation;
+use crate::attribution::linear::covariance;
+use crate::{CalibError, chi_square_p};
+
+/// The whole finding.
+pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibError> {
+    let settings = &attribution.settings;
+    let observations = &attribution.base.observations;
+    let case = Case::new(attribution, observations, Variation::default(), true)?;
+    let screen = Screen::new(&case, settings.bootstrap, false)?;
+    let decision = decide(&case, &screen, true)?;
+    let names: Vec<String> = attribution.candidates.iter().map(|c| c.name.clone()).collect();
+    let mut profiles = Vec::new();
+    for judged in &decision.singles {
+        profiles.push(profile(&judged.model, &case.data, &judged.fit, judged.dof(&case))?);
+    }
+    let mut strengths = vec![0.0; names.len()];
+    for j in &decision.singles {
+        strengths[j.of[0]] = j.fit.theta[j.model.frictions()];
+    }
+    let cosines = cosines(&signatures(&case, &screen, &strengths)?);
+    let (classes, class_of) = classes(&names, &cosines, settings.class_cosine);
+    let evidence = evidence(&case, &screen, &decision, &profiles)?;
+    let posterior =
+        |name: &str| evidence.iter().find(|e| e.name == name).map_or(0.0, |e| e.posterior);
+    let ranked = decision
+        .singles
+        .iter()
+        .zip(&profiles)
+        .map(|(j, p)| ranked(&case, &screen, j, p, class_of[j.of[0]], posterior(&names[j.of[0]])))
+        .collect::<Result<Vec<_>, _>>()?;
+    let none_eligible = !decision.singles.iter().any(|j| j.eligible);
+    let mut pairs = Vec::new();
+    if !screen.gate.passes && none_eligible {
+        for j in &decision.pairs {
+            let d = j.model.frictions();
+            pairs.push(PairFit {
+                names: [names[j.of[0]].clone(), names[j.of[1]].clone()],
+                fit: report_fit(&case, &j.model, &j.fit)?,
+                strengths: [j.fit.theta[d], j.fit.theta[d + 1]],
+                held_out_gain: j.gain,
+                at_ends: j.at_ends,
+                eligible: j.eligible,
+            });
+        }
+    }
+    let verdict_without_code = match attribution.code_covariance {
+        Some(_) => {
+            let without = Case::new(attribution, observations, Variation::default(), false)?;
+            let screen = Screen::new(&without, settings.bootstrap, true)?;
+            Some(decide(&without, &screen, false)?.verdict)
+        }
+        None => None,
+    };
+    let overturn = if screen.gate.passes { None } else { Some(overturn(&case, &screen)?) };
+    Ok(Finding {
+        verdict_without_code,
+        base: report_fit(&case, &case.base, &screen.base)?,
+        ranked,
+        classes,
+        cosines,
+        pairs,
+        detectable: detectable(&case, &screen)?,
+        held_out: held_out(&case, &screen, &decision)?,
+        stability: stability::rows(attribution),
+        overturn,
+        next: next_experiments(attribution, &decision, &evidence, &names)?,
+        evidence,
+        names,
+        gate: screen.gate,
+        verdict: decision.verdict,
+    })
+}
+
+fn ranked(
+    case: &Case<'_, '_>,
+    screen: &Screen,
+    judged: &Judged<'_>,
+    profile: &Profile,
+    class: usize,
+    evidence: f64,
+) -> Result<Ranked, CalibError> {
+    let candidate = &case.attribution.candidates[judged.of[0]];
+    let (low, high) = candidate.range;
+    let value = profile.strength.value;
+    let near = |end: f64| (value - end).abs() < 1e-6 * (high - low);
+    Ok(Ranked {
+        name: candidate.name.clone(),
+        layer: candidate.layer,
+        exposed_by: candidate.exposed_by.clone(),
+        meaning: candidate.meaning.clone(),
+        fit: report_fit(case, &judged.model, &judged.fit)?,
+        strength: profile.strength,
+        at_bound: (near(low) || near(high)) && !near(candidate.null),
+        p_absolute: judged.p_absolute,
+        improvement: screen.improvements[judged.of[0]],
+        p_single: judged.p_single,
+        p_family: judged.p_family,
+        evidence,
+        held_out_gain: judged.gain,
+        worsens: judged.worsens.clone(),
+        eligible: judged.eligible,
+        objections: judged.objections.clone(),
+        class,
+    })
+}
+
+fn report_fit(case: &Case<'_, '_>, model: &Model<'_>, fit: &Settled) -> Result<Fit, CalibError> {
+    let data = &case.data;
+    let predicted = model.predict(&fit.theta, &data.speeds)?;
+    let nuisance = data.nuisance_posterior(&fit.weight, &fit.white);
+    let spread = covariance(&fit.point.columns, 1e-9);
+    let sd = (0..model.len())
+        .map(|k| {
+            let u = fit.point.unit[k];
+            let (low, high) = model.ranges[k];
+            let sd = spread.as_ref().map(|c| c[k][k].max(0.0).sqrt())?;
+            (sd < 1.0 && u > 1e-9 && u < 1.0 - 1e-9).then_some(sd * (high - low))
+        })
+        .collect();
+    let residuals = (0..data.len())
+        .map(|i| {
+            let shift: f64 = data.nuisance.iter().zip(&nuisance).map(|(g, n)| g[i] * n.0).sum();
+            ResidualPoint {
+                omega_rpm: data.items[i].omega_rpm,
+                response: data.items[i].response.column(),
+                value: data.y[i] - fit.point.mean[i] - shift,
+                sd: data.variance(i, &predicted).sqrt(),
+            }
+        })
+        .collect();
+    let dof = data.len() - model.len();
+    Ok(Fit {
+        parameters: model.parameters.clone(),
+        theta: fit.theta.clone(),
+        sd,
+        chi2: fit.chi2,
+        deviance: fit.deviance(),
+        dof,
+        p: chi_square_p(fit.chi2, dof),
+        residuals,
+    })
+}
+
+/// Posterior of none, unknown, pairs and each effect.
+fn evidence(
+    case: &Case<'_, '_>,
+    screen: &Screen,
+    decision: &Decision<'_>,
+    profiles: &[Profile],
+) -> Result<Vec<Evidence>, CalibError> {
+    let settings = &case.attribution.settings;
+    let candidates = &case.attribution.candidates;
+    let pairs: Vec<f64> = decision.pairs.iter().map(|j| laplace(&j.fit)).collect();
+    let mut rows = vec![
+        ("none".to_owned(), settings.prior_none, laplace(&screen.base)),
+        (
+            "unknown".to_owned(),
+            settings.prior_unknown,
+            unknown(&case.base, &case.data, &screen.base)?,
+        ),
+    ];
+    if !pairs.is_empty() {
+        rows.push(("pairs".to_owned(), settings.prior_pairs, log_mean(&pairs)));
+    }
+    let rest = 1.0 - settings.prior_none - settings.prior_unknown - settings.prior_pairs;
+    let weights: f64 = candidates.iter().map(|c| c.prior).sum();
+    for (judged, profile) in decision.singles.iter().zip(profiles) {
+        let c = &candidates[judged.of[0]];
+        rows.push((c.name.clone(), rest * c.prior / weights, profile.log_likelihood));
+    }
+    let top = rows.iter().map(|r| r.2).fold(f64::NEG_INFINITY, f64::max);
+    let mass: Vec<f64> = rows.iter().map(|r| r.1 * (r.2 - top).exp()).collect();
+    let total: f64 = mass.iter().sum();
+    Ok(rows
+        .into_iter()
+        .zip(mass)
+        .map(|((name, prior, log_likelihood), m)| {
+            let scaled = |f: f64| f * m / (total - m + f * m);
+            Evidence {
+                name,
+                prior,
+                log_likelihood: log_likelihood - top,
+                posterior: scaled(1.0),
+                halved: scaled(0.5),
+                doubled: scaled(2.0),
+            }
+        })
+        .collect())
+}
+
+/// Error at data not fitted for what the verdict names, else for the best candidate.
+fn held_out(
+    case: &Case<'_, '_>,
+    screen: &Screen,
+    decision: &Decision<'_>,
+) -> Result<Vec<HeldOut>, CalibError> {
+    let best = match decision.verdict {
+        Verdict::Pairs(_) => decision.pairs.iter().find(|j| j.eligible),
+        _ => None,
+    };
+    let eligible = decision.singles.iter().find(|j| j.eligible);
+    let Some(best) = best.or(eligible).or(decision.singles.first()) else {
+        return Ok(Vec::new());
+    };
+    decision
+        .folds
+        .iter()
+        .map(|set| {
+            let compared = set.compare((&case.base, &screen.base), (&best.model, &best.fit))?;
+            Ok(compared.report(set.kind, &best.model.name, case.attribution.settings.seed))
+        })
+        .collect()
+}
+
+/// Experiments between the members of a class; with no class, between the three most probable.
+fn next_experiments(
+    attribution: &Attribution<'_>,
+    decision: &Decision<'_>,
+    evidence: &[Evidence],
+    names: &[String],
+) -> Result<Vec<super::NextExperiment>, CalibError> {
+    let posterior = |j: &Judged<'_>| {
+        evidence.iter().find(|e| e.name == names[j.of[0]]).map_or(0.0, |e| e.posterior)
+    };
+    let mut between: Vec<(&Judged<'_>, f64)> =
+        decision.singles.iter().map(|j| (j, posterior(j))).collect();
+    if let Verdict::Class(class) = &decision.verdict {
+        between.retain(|(j, _)| class.contains(&names[j.of[0]]));
+    } else {
+        between.sort_by(|a, b| b.1.total_cmp(&a.1));
+        between.truncate(3);
+    }
+    between.retain(|(_, share)| *share > 0.0);
+    next::rank(
+        &attribution.experiments,
+        &attribution.candidates,
+        &attribution.base.free,
+        &between,
+        attribution.settings.seed,
+    )
+}

@@ -1,0 +1,105 @@
+//! A straight line over speed beside a constant: everything has a closed form.
+
+use calib::attribution::{Attribution, Candidate, Layer, Settings, Verdict};
+use calib::{
+    CalibError, FrameCorrelation, FreeParameter, Observation, Observations, Predicted, Problem,
+    Simulator, chi_square_p,
+};
+use rig_schema::Response;
+
+const SPEEDS: [f64; 7] = [3.0, 5.0, 8.0, 12.0, 17.0, 21.0, 25.0];
+const ANGLE: [f64; 7] = [29.1, 29.6, 30.0, 30.2, 30.9, 30.4, 31.3];
+const SD: f64 = 0.5;
+
+/// Angle = level + slope (omega - 10).
+struct Line(bool);
+
+impl Simulator for Line {
+    fn parameters(&self) -> Vec<String> {
+        let names = ["level", "slope"].into_iter().take(1 + usize::from(self.0));
+        names.map(str::to_owned).collect()
+    }
+    fn speed_range_rpm(&self) -> (f64, f64) {
+        (1.0, 30.0)
+    }
+    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
+        let slope = theta.get(1).copied().unwrap_or(0.0);
+        let mean = speeds.iter().flat_map(|w| [theta[0] + slope * (w - 10.0); 4]).collect();
+        Ok(Predicted { mean, covariance: vec![0.0; 16 * speeds.len() * speeds.len()] })
+    }
+}
+
+#[test]
+fn a_line_is_found_with_the_numbers_of_algebra() {
+    let items = SPEEDS.iter().zip(ANGLE).map(|(w, mean)| Observation {
+        omega_rpm: *w,
+        response: Response::AorLin,
+        mean,
+        sd: SD,
+    });
+    let observations = Observations::new(items.collect(), 1.0, FrameCorrelation::Independent);
+    let (base, line) = (Line(false), Line(true));
+    let attribution = Attribution {
+        base: Problem {
+            observations: observations.expect("is well formed"),
+            simulator: &base,
+            free: vec![FreeParameter { name: "level".to_owned(), range: (20.0, 40.0) }],
+            nuisances: Vec::new(),
+        },
+        candidates: vec![Candidate {
+            name: "slope".to_owned(),
+            simulator: &line,
+            null: 0.0,
+            range: (-0.5, 0.5),
+            layer: Layer::Physics,
+            prior: 1.0,
+            exposed_by: "more speeds".to_owned(),
+            meaning: "a slope".to_owned(),
+        }],
+        code_covariance: None,
+        held_out: None,
+        experiments: Vec::new(),
+        settings: Settings { bootstrap: 1999, stability_bootstrap: 0, ..Settings::default() },
+    };
+    let f = attribution.attribute().expect("is well posed");
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    let (x, y) = (mean(&SPEEDS), mean(&ANGLE));
+    let sxx: f64 = SPEEDS.iter().map(|s| (s - x).powi(2)).sum();
+    let sxy: f64 = SPEEDS.iter().zip(ANGLE).map(|(s, a)| (s - x) * (a - y)).sum();
+    let syy: f64 = ANGLE.iter().map(|a| (a - y).powi(2)).sum();
+    let gained = sxy * sxy / sxx / (SD * SD);
+    let r = &f.ranked[0];
+    assert!((f.gate.chi2 - syy / (SD * SD)).abs() < 1e-7);
+    assert!((r.strength.value - sxy / sxx).abs() < 1e-7);
+    assert!((r.improvement - gained).abs() < 1e-6, "{} {gained}", r.improvement);
+    assert!((f.base.sd[0].expect("is inside") - SD / 7_f64.sqrt()).abs() < 1e-6);
+    // Interval +-1.96 sd; the profile is sampled at half sd, a chord of a parabola misses its
+    // crossing by less than 2 % of it.
+    let sd = SD / sxx.sqrt();
+    let half = r.strength.hi.expect("is inside") - r.strength.value;
+    assert!((half / (1.959964 * sd) - 1.0).abs() < 0.02, "{half}");
+    // Bootstrap p against chi-square with one degree of freedom: 3 sd of 1999 draws.
+    let p = chi_square_p(gained, 1);
+    assert!(
+        (r.p_single - p).abs() < 3.0 * (p / 2000.0).sqrt() + 1.0 / 2000.0,
+        "{} {p}",
+        r.p_single
+    );
+    assert_eq!(f.verdict, Verdict::Effect("slope".to_owned()));
+    // Bayes factor: gain of the likelihood times posterior volume of the slope over its range.
+    let exact = 0.5 * gained + 0.5 * std::f64::consts::TAU.ln() + sd.ln() - 1.0_f64.ln();
+    let log =
+        |name: &str| f.evidence.iter().find(|e| e.name == name).expect("is listed").log_likelihood;
+    let found = log("slope") - log("none");
+    // The trapezium over half sd and the bounded volume leave less than 0.02.
+    assert!((found - exact).abs() < 0.02, "{found} {exact}");
+    // Non-centrality of a slope s is s^2 sxx / sd^2: the detectable one needs the root of the
+    // critical improvement plus the 90 % point of the normal.
+    let up = f.detectable.iter().find(|d| d.towards > 0.0).expect("is listed");
+    let down = f.detectable.iter().find(|d| d.towards < 0.0).expect("is listed");
+    let s = up.strength.expect("is within the range");
+    assert!((s + down.strength.expect("is within the range")).abs() < 1e-3);
+    // Critical z between that of the level for one test and for two independent ones.
+    let z = s / sd - 1.281552;
+    assert!((2.4..2.9).contains(&z), "{z}");
+}

@@ -1,0 +1,8 @@
+//! Attribution on drums made of formulas: rates, names, classes, unknowns.
+
+mod cases;
+mod faults;
+mod linear;
+mod rates;
+mod thesis;
+mod world;

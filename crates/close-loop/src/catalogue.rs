@@ -1,0 +1,461 @@
+//! The catalogue: effects that a calibrated drum may lack, as data.
+//!
+//! An entry says which parameter departs from the rig's value, at which two strengths it is
+//! simulated first, how far it can go, and which other parameters go along. Entries that cannot
+//! act in a rig (end plates of a periodic drum) or that the case frees or marginalises itself are
+//! left out. [`Catalogue::with`] adds entries from outside.
+
+use calib::attribution::Layer;
+use rig_schema::{Cohesion, Ends, Rig, RollingLaw, Shape, namespace};
+
+use crate::error::CloseLoopError;
+use crate::scale::Scale;
+
+/// Standard gravity, m/s2.
+const G: f64 = 9.81;
+
+/// A contact law that an effect needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Needs {
+    /// Nothing beyond the rig's own laws.
+    Nothing,
+    /// A law of rolling resistance.
+    Rolling,
+    /// A law of cohesion.
+    Cohesion(Cohesion),
+}
+
+/// One effect, made ready for one rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    /// Path of the parameter in the namespace; the effect's name.
+    pub path: String,
+    /// Where it acts.
+    pub layer: Layer,
+    /// The rig's own value: the effect is absent.
+    pub null: f64,
+    /// Strengths that are simulated first; the last one is the coded unit.
+    pub probes: [f64; 2],
+    /// What is physically possible.
+    pub range: (f64, f64),
+    /// Coordinate in which it acts about linearly.
+    pub scale: Scale,
+    /// Parameters that take the same value.
+    pub along: Vec<String>,
+    /// Law that it needs.
+    pub needs: Needs,
+    /// Prior weight.
+    pub prior: f64,
+    /// Which experiment would show it.
+    pub exposed_by: String,
+    /// What it is.
+    pub meaning: String,
+}
+
+impl Effect {
+    /// The rig with the effect at a strength.
+    ///
+    /// # Errors
+    /// [`CloseLoopError::Strength`] if the value is outside the parameter's range.
+    pub fn apply(&self, rig: &Rig, strength: f64) -> Result<Rig, CloseLoopError> {
+        let mut with = rig.clone();
+        if strength == self.null {
+            return Ok(with);
+        }
+        match self.needs {
+            Needs::Nothing => {}
+            Needs::Rolling if with.contact.rolling == RollingLaw::None => {
+                with.contact.rolling = RollingLaw::ConstantTorque;
+            }
+            Needs::Rolling => {}
+            Needs::Cohesion(law) => with.contact.cohesion = law,
+        }
+        for path in std::iter::once(&self.path).chain(&self.along) {
+            set(&mut with, path, strength)?;
+        }
+        Ok(with)
+    }
+}
+
+pub(crate) fn set(rig: &mut Rig, path: &str, value: f64) -> Result<(), CloseLoopError> {
+    rig.settings
+        .set(path, value)
+        .map_err(|_| CloseLoopError::Strength { path: path.to_owned(), value })
+}
+
+/// Effects that are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Catalogue {
+    /// In no order of merit.
+    pub effects: Vec<Effect>,
+    /// Effects that were left out, with the reason.
+    pub left_out: Vec<(String, String)>,
+}
+
+struct Draft<'a> {
+    path: &'static str,
+    layer: Layer,
+    probes: [f64; 2],
+    range: (f64, f64),
+    along: &'a [&'static str],
+    needs: Needs,
+    exposed_by: &'static str,
+}
+
+impl Catalogue {
+    /// The effects that can act in a rig. `taken` names the parameters that the case frees or
+    /// marginalises; they are no candidates.
+    pub fn of(rig: &Rig, taken: &[String]) -> Self {
+        let mut catalogue = Self { effects: Vec::new(), left_out: Vec::new() };
+        for draft in drafts(rig) {
+            catalogue.add(rig, &draft, taken);
+        }
+        catalogue
+    }
+
+    /// Add an effect from outside.
+    #[must_use]
+    pub fn with(mut self, effect: Effect) -> Self {
+        self.effects.push(effect);
+        self
+    }
+
+    /// Leave out effects by name; a name stands for all of its group where it has no dot.
+    #[must_use]
+    pub fn without(mut self, names: &[String]) -> Self {
+        let gone = |path: &str| names.iter().any(|n| stands_for(n, path));
+        for e in self.effects.iter().filter(|e| gone(&e.path)) {
+            self.left_out.push((e.path.clone(), "the case leaves it out".to_owned()));
+        }
+        self.effects.retain(|e| !gone(&e.path));
+        self
+    }
+
+    /// Keep only the named effects.
+    #[must_use]
+    pub fn only(mut self, names: &[String]) -> Self {
+        let kept = |path: &str| names.iter().any(|n| stands_for(n, path));
+        for e in self.effects.iter().filter(|e| !kept(&e.path)) {
+            self.left_out.push((e.path.clone(), "the case does not ask for it".to_owned()));
+        }
+        self.effects.retain(|e| kept(&e.path));
+        self
+    }
+
+    fn add(&mut self, rig: &Rig, draft: &Draft<'_>, taken: &[String]) {
+        let mut leave = |why: &str| self.left_out.push((draft.path.to_owned(), why.to_owned()));
+        if taken.iter().any(|t| t == draft.path) {
+            return leave("the case frees or marginalises it");
+        }
+        if let Some(why) = cannot_act(rig, draft.path, taken) {
+            return leave(why);
+        }
+        let fallback = match draft.path {
+            "friction.end_plate" => rig.settings.value("friction.mantle"),
+            "restitution.end_plate" => rig.settings.value("restitution.mantle"),
+            _ => None,
+        };
+        let Some(null) = rig.settings.value(draft.path).or(fallback) else {
+            return leave("the rig gives it no value");
+        };
+        let meaning = namespace::find(draft.path).map_or("", |p| p.meaning);
+        let along = draft.along.iter().filter(|a| !taken.iter().any(|t| t == *a));
+        let along = along.filter(|a| rig.drum.ends != Ends::Periodic || !a.contains("end_plate"));
+        self.effects.push(Effect {
+            path: draft.path.to_owned(),
+            layer: draft.layer,
+            null,
+            probes: draft.probes,
+            range: (draft.range.0.min(null), draft.range.1.max(null)),
+            scale: Scale::of(draft.path, draft.range.0),
+            along: along.map(|a| (*a).to_owned()).collect(),
+            needs: draft.needs,
+            prior: 1.0,
+            exposed_by: draft.exposed_by.to_owned(),
+            meaning: meaning.to_owned(),
+        });
+    }
+}
+
+/// Whether a name in a case means a path: the path itself or its group.
+fn stands_for(name: &str, path: &str) -> bool {
+    name == path || path.split_once('.').is_some_and(|(group, _)| group == name)
+}
+
+/// Why an effect cannot act, if it cannot.
+fn cannot_act(rig: &Rig, path: &str, taken: &[String]) -> Option<&'static str> {
+    let group = path.split_once('.').map_or(path, |(g, _)| g);
+    let tablet = matches!(rig.particles.shape, Shape::RingTablet(_));
+    let periodic = rig.drum.ends == Ends::Periodic;
+    match path {
+        _ if periodic && path.ends_with("end_plate") => Some("the ends are periodic"),
+        "axis.inclination_deg" if periodic => Some("the ends are periodic"),
+        "shape.aspect_ratio" if tablet => Some("the form of a tablet is given"),
+        "wall_layer.thickness_m" if rig.drum.liner.is_some() => Some("the drum has a liner"),
+        "wall_layer.friction_ratio" if taken.iter().any(|t| t == "friction.mantle") => {
+            Some("it is the mantle friction, which is free")
+        }
+        _ if group == "cohesion" && rig.contact.cohesion != Cohesion::None => {
+            Some("the rig has cohesion already")
+        }
+        _ => None,
+    }
+}
+
+/// Cohesion energy density, J/m3, that pulls two particles together with the weight of one while
+/// five weights press them.
+fn energy_of_weight(rig: &Rig, diameter: f64) -> f64 {
+    let Some(m) = rig.materials.get(&rig.particles.material) else { return 1e4 };
+    let weight = m.density_kg_m3 * std::f64::consts::PI / 6.0 * diameter.powi(3) * G;
+    let young = 2.0 * (1.0 + m.poisson_ratio) * m.shear_modulus_pa;
+    let e_star = young / (2.0 * (1.0 - m.poisson_ratio.powi(2)));
+    let r_star = 0.25 * diameter;
+    // Hertz: F = 4/3 E* sqrt(R*) d^1.5; the contact area is that of the lens of two overlapping
+    // spheres, pi d R*, to first order in the overlap d.
+    let overlap = (3.75 * weight / (e_star * r_star.sqrt())).powf(2.0 / 3.0);
+    weight / (2.0 * std::f64::consts::PI * r_star * overlap)
+}
+
+/// Every entry, with strengths that suit the size of particles and drum.
+fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
+    let diameter = match rig.particles.shape {
+        Shape::Sphere(s) => s.diameter_m,
+        Shape::RingTablet(t) => 2.0 * (t.ring_radius_m + t.sphere_radius_m),
+    };
+    let energy = |bond: f64| (bond * energy_of_weight(rig, diameter)).min(1e7);
+    let amplitude = |gamma: f64| gamma * G / (std::f64::consts::TAU * 50.0).powi(2);
+    let own = |path: &str, or: f64| rig.settings.value(path).unwrap_or(or);
+    let rolling = own("rolling.pp", 0.0);
+    let plate = own("friction.end_plate", own("friction.mantle", 0.5));
+    let restitution = own("restitution.pp", 0.8);
+    let radius = rig.drum.radius_m;
+    let physics = |path, probes, range, along: &'static [&'static str], needs, exposed_by| Draft {
+        path,
+        layer: Layer::Physics,
+        probes,
+        range,
+        along,
+        needs,
+        exposed_by,
+    };
+    let camera = |path, probes, range, exposed_by| Draft {
+        path,
+        layer: Layer::Camera,
+        probes,
+        range,
+        along: &[],
+        needs: Needs::Nothing,
+        exposed_by,
+    };
+    let reading = |path, unit: f64, range, exposed_by| Draft {
+        path,
+        layer: Layer::Measurement,
+        probes: [-unit, unit],
+        range,
+        along: &[],
+        needs: Needs::Nothing,
+        exposed_by,
+    };
+    vec![
+        physics(
+            "rolling.pp",
+            [rolling + 0.03, rolling + 0.1],
+            (0.0, 0.5),
+            &["rolling.mantle", "rolling.end_plate"],
+            Needs::Rolling,
+            "a bead rolling to rest on a plate of its own material",
+        ),
+        physics(
+            "cohesion.energy_density_j_m3",
+            [energy(1.5), energy(4.0)],
+            (0.0, energy(15.0)),
+            &[],
+            Needs::Cohesion(Cohesion::SimplifiedJkr),
+            "larger beads of the same material, or a dried bed",
+        ),
+        physics(
+            "friction.kinetic_ratio",
+            [0.8, 0.6],
+            (0.3, 1.0),
+            &[],
+            Needs::Nothing,
+            "a sliding plate: force at the start against force while it slides",
+        ),
+        physics(
+            "friction.end_plate",
+            [0.4 * plate, (1.7 * plate).min(1.5)],
+            (0.02, 2.0),
+            &[],
+            Needs::Nothing,
+            "a drum of another length",
+        ),
+        physics(
+            "fill.scale",
+            [0.88, 1.12],
+            (0.6, 1.4),
+            &[],
+            Needs::Nothing,
+            "weighing the bed",
+        ),
+        physics("size.scale", [0.88, 1.12], (0.6, 1.5), &[], Needs::Nothing, "a sieve or a caliper"),
+        physics("size.spread", [0.12, 0.25], (0.0, 0.4), &[], Needs::Nothing, "a sieve"),
+        physics(
+            "shape.aspect_ratio",
+            [1.15, 1.4],
+            (1.0, 2.0),
+            &[],
+            Needs::Nothing,
+            "a look at the particles",
+        ),
+        physics(
+            "restitution.pp",
+            [(restitution - 0.25).max(0.1), (restitution - 0.5).max(0.05)],
+            (0.02, 1.0),
+            &["restitution.mantle", "restitution.end_plate"],
+            Needs::Nothing,
+            "a bead dropped on a plate",
+        ),
+        physics(
+            "axis.inclination_deg",
+            [-2.5, 2.5],
+            (-10.0, 10.0),
+            &[],
+            Needs::Nothing,
+            "turning the drum the other way round, or a spirit level",
+        ),
+        physics(
+            "speed.scale",
+            [0.8, 1.25],
+            (0.5, 2.0),
+            &[],
+            Needs::Nothing,
+            "counting the turns of the drum",
+        ),
+        physics(
+            "vibration.amplitude_m",
+            [amplitude(0.7), amplitude(2.0)],
+            (0.0, amplitude(5.0)),
+            &[],
+            Needs::Nothing,
+            "an accelerometer, or the drive switched off after a turn",
+        ),
+        physics(
+            "wall_layer.thickness_m",
+            [0.025 * radius, 0.06 * radius],
+            (0.0, 0.15 * radius),
+            &[],
+            Needs::Nothing,
+            "a look into the emptied drum",
+        ),
+        physics(
+            "drag.coefficient_s",
+            [0.7, 2.5],
+            (0.0, 10.0),
+            &[],
+            Needs::Nothing,
+            "the same drum at lower air pressure, or larger beads",
+        ),
+        physics(
+            "stiffness.scale",
+            [0.3, 3.0],
+            (0.03, 30.0),
+            &[],
+            Needs::Nothing,
+            "a simulation with stiffer particles",
+        ),
+        camera(
+            "camera.roll_deg",
+            [-2.0, 2.0],
+            (-10.0, 10.0),
+            "a plumb line in the picture, or turning the drum the other way round",
+        ),
+        camera("camera.pitch_deg", [-4.0, 4.0], (-15.0, 15.0), "the ellipse of the ring"),
+        camera("camera.yaw_deg", [-4.0, 4.0], (-15.0, 15.0), "the ellipse of the ring"),
+        reading(
+            "measure.offset_x_pct",
+            2.0,
+            (-15.0, 15.0),
+            "the circle drawn over the picture",
+        ),
+        reading(
+            "measure.offset_y_pct",
+            2.0,
+            (-15.0, 15.0),
+            "the circle drawn over the picture",
+        ),
+        reading("measure.bias_lin_deg", 2.0, (-15.0, 15.0), "the line drawn over the picture"),
+        reading("measure.bias_mid_deg", 2.0, (-15.0, 15.0), "the line drawn over the picture"),
+        Draft {
+            probes: [0.95, 1.05],
+            ..reading("measure.scale", 0.05, (0.8, 1.25), "a ruler in the picture")
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rig(ends: &str) -> Rig {
+        Rig::parse(
+            "a.toml",
+            &format!(
+                r#"
+name = "a"
+drum = {{ radius_m = 0.05, length_m = 0.03, mantle = "g", end_plates = "g", ends = "{ends}" }}
+particles = {{ material = "g", shape = {{ sphere = {{ diameter_m = 0.006 }} }} }}
+fill.count = 90
+friction = {{ pp = 0.5, mantle = 0.6 }}
+restitution = {{ pp = 0.7, mantle = 0.7 }}
+run = {{ speeds_rpm = [20.0] }}
+[materials]
+g = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e6 }}
+"#
+            ),
+        )
+        .unwrap()
+    }
+
+    fn names(c: &Catalogue) -> Vec<&str> {
+        c.effects.iter().map(|e| e.path.as_str()).collect()
+    }
+
+    #[test]
+    fn what_cannot_act_is_left_out_with_a_reason() {
+        let closed = Catalogue::of(&rig("turning"), &[]);
+        let open = Catalogue::of(&rig("periodic"), &[]);
+        assert!(names(&closed).contains(&"axis.inclination_deg"));
+        assert!(!names(&open).contains(&"axis.inclination_deg"));
+        assert!(open.left_out.iter().any(|(p, why)| p == "friction.end_plate" && why.contains("periodic")));
+    }
+
+    #[test]
+    fn freed_parameters_and_groups_are_no_candidates() {
+        let c = Catalogue::of(&rig("turning"), &["rolling.pp".to_owned()]);
+        assert!(!names(&c).contains(&"rolling.pp"));
+        let c = c.without(&["cohesion".to_owned(), "fill.scale".to_owned()]);
+        assert!(!names(&c).iter().any(|n| n.starts_with("cohesion") || *n == "fill.scale"));
+        assert_eq!(names(&c.only(&["camera".to_owned()])).len(), 3);
+    }
+
+    #[test]
+    fn every_effect_can_be_set_over_its_whole_range() {
+        let rig = rig("turning");
+        for e in Catalogue::of(&rig, &[]).effects {
+            for s in [e.range.0, e.probes[0], e.null, e.probes[1], e.range.1] {
+                let with = e.apply(&rig, s).unwrap();
+                assert_eq!(with == rig, s == e.null || with.settings == rig.settings, "{}", e.path);
+                assert!(s >= e.range.0 && s <= e.range.1, "{} {s}", e.path);
+            }
+        }
+    }
+
+    #[test]
+    fn cohesion_starts_at_a_stated_multiple_of_the_weight() {
+        let e = Catalogue::of(&rig("turning"), &[]).effects;
+        let e = e.iter().find(|e| e.path == "cohesion.energy_density_j_m3").unwrap();
+        // Beads of 6 mm and 2500 kg/m3 weigh 2.77 mN; E* is 1.41 MPa, so five weights press them
+        // together by 33 um, over 0.31 mm2: 1.5 weights there are 13 kJ/m3.
+        assert!((e.probes[0] - 13_300.0).abs() < 300.0, "{}", e.probes[0]);
+    }
+}

@@ -1,0 +1,356 @@
+//! Fresh runs of the calibrated model and of the winner, and what remains of the error.
+
+use calib::attribution::{Finding, Verdict};
+use calib::{Nuisance, Observations, chi_square_p};
+use faer::linalg::solvers::Solve as _;
+use faer::{Mat, Side as Triangle};
+use rig_schema::Response;
+
+use crate::catalogue::Effect;
+use crate::driver::{CloseLoop, Stage, State, Told};
+use crate::emulator::Emulator;
+use crate::error::CloseLoopError;
+use crate::outcome::{Errors, Outcome, Point, ResponseErrors, Side, StrengthOf};
+use crate::runs::{rig_at, rig_with};
+
+/// Level below which fresh runs contradict the winner.
+const CONTRADICTED: f64 = 1e-3;
+
+/// One model by fresh runs.
+struct Fresh {
+    side: Side,
+    /// Prediction and standard deviation at fitted, then held-out observations.
+    points: Vec<(f64, f64)>,
+}
+
+pub(crate) fn outcome(
+    this: &CloseLoop<'_>,
+    state: &mut State<'_>,
+    finding: Finding,
+    watch: &mut dyn FnMut(&Told),
+) -> Result<Outcome, CloseLoopError> {
+    let base = state.base_model(&state.theta)?;
+    let names: Vec<String> = match &finding.verdict {
+        Verdict::None | Verdict::Unknown => Vec::new(),
+        Verdict::Effect(name) => vec![name.clone()],
+        Verdict::Class(names) => names.clone(),
+        Verdict::Pairs(pairs) => pairs.first().map(|p| p.to_vec()).unwrap_or_default(),
+    };
+    let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
+    let before = fresh(state, &base, &finding.base.theta, &[], watch)?;
+    let mut others = Vec::new();
+    let mut after = None;
+    if is_pair {
+        if let Some(p) = finding.pairs.iter().find(|p| p.names[..] == names[..]) {
+            let free = state.setup.free.len();
+            let theta = p.fit.theta[..free.min(p.fit.theta.len())].to_vec();
+            let with = effects_at(state, &p.names, &p.strengths);
+            after = Some(fresh(state, &base, &theta, &with, watch)?);
+        }
+    } else {
+        for name in names.iter().take(3) {
+            let Some(r) = finding.ranked.iter().find(|r| r.name == *name) else { continue };
+            let Some((strength, theta)) = r.fit.theta.split_last() else { continue };
+            let with = effects_at(state, std::slice::from_ref(name), &[*strength]);
+            let model = fresh(state, &base, theta, &with, watch)?;
+            match after {
+                None => after = Some(model),
+                Some(_) => others.push(model.side),
+            }
+        }
+    }
+    let confirmed = after.as_ref().map(|a| a.side.errors.p > CONTRADICTED);
+    let strengths = names
+        .iter()
+        .filter_map(|name| {
+            let effect = state.setup.catalogue.effects.iter().find(|e| e.path == *name)?;
+            let r = finding.ranked.iter().find(|r| r.name == *name)?;
+            Some(StrengthOf {
+                name: name.clone(),
+                meaning: effect.meaning.clone(),
+                null: effect.null,
+                value: r.strength.value,
+                lo: r.strength.lo.unwrap_or(effect.range.0),
+                hi: r.strength.hi.unwrap_or(effect.range.1),
+            })
+        })
+        .collect::<Vec<_>>();
+    let with = after.as_ref().unwrap_or(&before);
+    let points = points(state, &before, with);
+    let removed = after.as_ref().and_then(|a| removed(state, &before, a));
+    let verdict = match (&finding.verdict, confirmed) {
+        (Verdict::None, _) => "none",
+        (Verdict::Unknown, _) | (_, Some(false)) => "unknown",
+        (Verdict::Effect(_), _) => "effect",
+        (Verdict::Class(_) | Verdict::Pairs(_), _) => "class",
+    };
+    let sentence = sentence(&finding, verdict, &strengths, is_pair);
+    let calibrated = finding
+        .base
+        .parameters
+        .iter()
+        .zip(&finding.base.theta)
+        .zip(&finding.base.sd)
+        .map(|((p, v), sd)| (p.clone(), *v, *sd))
+        .collect();
+    Ok(Outcome {
+        case: this.case.rig.name.clone(),
+        verdict,
+        members: names,
+        sentence,
+        strengths,
+        calibrated,
+        before: before.side.clone(),
+        after: with.side.clone(),
+        others,
+        removed,
+        confirmed,
+        points,
+        speeds_rpm: state.setup.knots.clone(),
+        inflation: base.inflation(),
+        effort: state.effort,
+        runs: state.runs.made,
+        cost_s: state.runs.cost_s,
+        failed: state.runs.failed.clone(),
+        left_out: state.setup.catalogue.left_out.clone(),
+        assumed: assumed(this, state),
+        finding,
+    })
+}
+
+fn effects_at(state: &State<'_>, names: &[String], strengths: &[f64]) -> Vec<(Effect, f64)> {
+    let find = |name: &String| {
+        state.setup.catalogue.effects.iter().find(|e| e.path == *name).cloned()
+    };
+    names.iter().zip(strengths).filter_map(|(n, s)| Some((find(n)?, *s))).collect()
+}
+
+/// Run a model with fillings that no fit has seen, and compare it with the data.
+fn fresh(
+    state: &mut State<'_>,
+    base: &Emulator,
+    theta: &[f64],
+    effects: &[(Effect, f64)],
+    watch: &mut dyn FnMut(&Told),
+) -> Result<Fresh, CloseLoopError> {
+    let rig = state.setup.full.clone().unwrap_or_else(|| state.setup.rig.clone());
+    let mut label = "the calibrated model".to_owned();
+    let mut rigs = Vec::new();
+    for k in 0..state.effort.confirm {
+        let filling = state.runs.filling(Stage::Confirm, k);
+        let mut with = rig_at(&rig, &state.setup.axes, theta, filling)?;
+        if let Some((effect, strength)) = effects.first() {
+            with = rig_with(&rig, &state.setup.axes, theta, (effect, *strength), filling)?;
+            label = format!("{} = {strength:.4}", effect.path);
+        }
+        for (effect, strength) in effects.iter().skip(1) {
+            with = effect.apply(&with, *strength)?;
+            label = format!("{label}, {} = {strength:.4}", effect.path);
+        }
+        rigs.push((format!("{label}, fresh"), with));
+    }
+    let runs: Vec<_> =
+        state.runs.all(Stage::Confirm, &rigs, watch)?.into_iter().flatten().collect();
+    if runs.is_empty() {
+        let first = state.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
+        return Err(CloseLoopError::Base { failed: rigs.len(), asked: rigs.len(), first });
+    }
+    let n = runs.len() as f64;
+    let at: Vec<[(f64, f64); 4]> = (0..base.knots().len())
+        .map(|k| {
+            std::array::from_fn(|r| {
+                let mean = runs.iter().map(|run| run.speeds[k].mean[r]).sum::<f64>() / n;
+                (mean, base.inflation() * base.frames()[k][r][r] / n)
+            })
+        })
+        .collect();
+    let mut all = state.setup.observations.clone();
+    let fitted = all.items.len();
+    if let Some(more) = &state.setup.held_out {
+        all.items.extend(&more.items);
+    }
+    let speeds: Vec<f64> = all.items.iter().map(|o| o.omega_rpm).collect();
+    let mut distinct = speeds.clone();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup();
+    let predicted = base.spread(&distinct, &at);
+    let place: Vec<usize> = all
+        .items
+        .iter()
+        .map(|o| 4 * distinct.partition_point(|s| *s < o.omega_rpm) + o.response.index())
+        .collect();
+    let noise = |i: usize, j: usize| {
+        let own = |o: &Observations, i: usize, j: usize| o.covariance(i, j);
+        let measured = match (&state.setup.held_out, i < fitted, j < fitted) {
+            (_, true, true) => own(&state.setup.observations, i, j),
+            (Some(h), false, false) => own(h, i - fitted, j - fitted),
+            _ => 0.0,
+        };
+        measured + predicted.covariance(place[i], place[j])
+    };
+    let residual: Vec<f64> =
+        all.items.iter().zip(&place).map(|(o, p)| o.mean - predicted.mean[*p]).collect();
+    let nuisances = &state.setup.nuisances;
+    let slope = |n: &Nuisance, i: usize| n.slope(all.items[i].response, all.items[i].mean);
+    let offset = |i: usize| -> f64 {
+        nuisances.iter().map(|n| slope(n, i) * n.departure(n.mean)).sum()
+    };
+    let free = theta.len() + effects.len();
+    let covariance = Mat::from_fn(fitted, fitted, |i, j| {
+        let shared: f64 = nuisances.iter().map(|n| slope(n, i) * slope(n, j) * n.sd * n.sd).sum();
+        noise(i, j) + shared
+    });
+    let fault = calib::CalibError::Covariance { what: "fresh runs", size: fitted };
+    let llt = covariance.llt(Triangle::Lower).map_err(|_| fault)?;
+    let r = Mat::from_fn(fitted, 1, |i, _| residual[i] - offset(i));
+    let solved = llt.solve(&r);
+    let chi2: f64 = (0..fitted).map(|i| r[(i, 0)] * solved[(i, 0)]).sum();
+    let dof = fitted.saturating_sub(free).max(1);
+    let estimate: Vec<f64> = nuisances
+        .iter()
+        .map(|n| {
+            let pull: f64 = (0..fitted).map(|i| slope(n, i) * solved[(i, 0)]).sum();
+            n.sd * n.sd * pull
+        })
+        .collect();
+    let points: Vec<(f64, f64)> = (0..all.items.len())
+        .map(|i| {
+            let moved: f64 =
+                nuisances.iter().zip(&estimate).map(|(n, e)| slope(n, i) * e).sum();
+            (predicted.mean[place[i]] + offset(i) + moved, noise(i, i).max(0.0).sqrt())
+        })
+        .collect();
+    let set = |from: usize, to: usize| {
+        Response::ALL
+            .iter()
+            .filter_map(|r| {
+                let of: Vec<usize> = (from..to).filter(|i| all.items[*i].response == *r).collect();
+                let mean = |f: &dyn Fn(usize) -> f64| {
+                    (of.iter().map(|i| f(*i)).sum::<f64>() / of.len() as f64).sqrt()
+                };
+                let e = |i: usize| all.items[i].mean - points[i].0;
+                (!of.is_empty()).then(|| ResponseErrors {
+                    response: r.column(),
+                    points: of.len(),
+                    rmse: mean(&|i| e(i).powi(2)),
+                    rmse_sd: mean(&|i| (e(i) / points[i].1).powi(2)),
+                    floor: mean(&|i| points[i].1.powi(2)),
+                })
+            })
+            .collect()
+    };
+    let errors = Errors {
+        fitted: set(0, fitted),
+        held_out: set(fitted, all.items.len()),
+        chi2,
+        dof,
+        p: chi_square_p(chi2, dof),
+    };
+    let mut named: Vec<(String, f64)> =
+        state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
+    named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));
+    let effect = (!effects.is_empty())
+        .then(|| effects.iter().map(|(e, _)| e.path.clone()).collect::<Vec<_>>().join(" + "));
+    Ok(Fresh { side: Side { effect, at: named, fillings: runs.len(), errors }, points })
+}
+
+fn points(state: &State<'_>, before: &Fresh, after: &Fresh) -> Vec<Point> {
+    let fitted = state.setup.observations.items.len();
+    let held = state.setup.held_out.iter().flat_map(|h| &h.items);
+    let items = state.setup.observations.items.iter().chain(held);
+    items
+        .enumerate()
+        .map(|(i, o)| Point {
+            omega_rpm: o.omega_rpm,
+            response: o.response.column(),
+            fitted: i < fitted,
+            measured: o.mean,
+            sd: before.points[i].1,
+            before: before.points[i].0,
+            after: after.points[i].0,
+        })
+        .collect()
+}
+
+/// Part of the mean square error above the noise floor that goes away.
+fn removed(state: &State<'_>, before: &Fresh, after: &Fresh) -> Option<f64> {
+    let fitted = state.setup.observations.items.len();
+    let held = state.setup.held_out.as_ref();
+    let items = match held {
+        Some(h) => h.items.iter().enumerate().map(|(i, o)| (i + fitted, o)).collect::<Vec<_>>(),
+        None => state.setup.observations.items.iter().enumerate().collect(),
+    };
+    let mean = |f: &Fresh| {
+        let each = items.iter().map(|(i, o)| {
+            let (value, sd) = f.points[*i];
+            ((o.mean - value) / sd).powi(2)
+        });
+        each.sum::<f64>() / items.len() as f64
+    };
+    let above = mean(before) - 1.0;
+    (above > 0.0).then(|| ((mean(before) - mean(after).max(1.0)) / above).min(1.0))
+}
+
+fn sentence(
+    finding: &Finding,
+    verdict: &str,
+    strengths: &[StrengthOf],
+    is_pair: bool,
+) -> String {
+    let named: Vec<String> = strengths
+        .iter()
+        .map(|s| {
+            format!("{} = {:.3} ({:.3} to {:.3}; the rig has {:.3})", s.name, s.value, s.lo, s.hi, s.null)
+        })
+        .collect();
+    match verdict {
+        "none" => format!(
+            "No missing effect can be detected: chi-square {:.1} with {} degrees of freedom, p = {:.2}.",
+            finding.gate.chi2, finding.gate.dof, finding.gate.p_combined
+        ),
+        "effect" => format!("The model lacks {}: {}.", strengths[0].name, named[0]),
+        "class" if is_pair => format!("Two effects together explain the data: {}.", named.join(" and ")),
+        "class" => format!("The model lacks one of these, which the data cannot tell apart: {}.", named.join("; ")),
+        _ if !strengths.is_empty() => format!(
+            "Something is missing; {} came closest, but fresh simulations do not confirm it.",
+            strengths[0].name
+        ),
+        _ => format!(
+            "Something is missing that is not in the catalogue: chi-square {:.1} with {} degrees of freedom, p = {:.2e}, and no effect brings the model to the data.",
+            finding.gate.chi2, finding.gate.dof, finding.gate.p_combined
+        ),
+    }
+}
+
+fn assumed(this: &CloseLoop<'_>, state: &State<'_>) -> Vec<String> {
+    let mut all = Vec::new();
+    if this.case.data.n_eff.is_none() && this.measured.rows.iter().any(|r| r.n_eff.is_none()) {
+        all.push("A measured mean counts as 15 independent frames where the table does not say.".to_owned());
+    }
+    if this.measured.rows.iter().all(|r| r.covariance.iter().flatten().all(Option::is_none)) {
+        all.push(
+            "The four responses of a frame swing together with correlation 0.5, since the table gives no covariances.".to_owned(),
+        );
+    }
+    let inflation = state.base_model(&state.theta).map_or(1.0, |m| m.inflation());
+    all.push(format!(
+        "The measured drum is one filling of many: fillings scatter by {:.1} times the variance that frames show.",
+        inflation
+    ));
+    if state.setup.knots.len() < this.measured.rows.len() {
+        all.push(format!(
+            "{} of {} speeds were simulated; the others are interpolated by a cubic spline.",
+            state.setup.knots.len(),
+            this.measured.rows.len()
+        ));
+    }
+    if state.setup.full.is_some() {
+        all.push(
+            "Effects were simulated on a coarse stand-in, shifted by its difference from the full rig at the calibrated point; fresh runs are of the full rig.".to_owned(),
+        );
+    }
+    for n in &this.case.nuisance {
+        all.push(format!("{}: prior {} +- {} ({}).", n.path, n.mean, n.sd, n.reason));
+    }
+    all
+}

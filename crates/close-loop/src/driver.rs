@@ -1,0 +1,697 @@
+//! The stages of closing a loop.
+
+use std::collections::BTreeMap;
+
+use calib::attribution::{Attribution, Candidate, Finding, Layer, Settings};
+use calib::{CalibError, Predicted, Problem, Simulator};
+use campaign::Laboratory;
+use rig_schema::{Case, MeasuredTable, Rig};
+
+use crate::catalogue::Effect;
+use crate::confirm;
+use crate::curve::{Change, Curve};
+use crate::emulator::{Axis, Emulator, Sample};
+use crate::error::CloseLoopError;
+use crate::outcome::Outcome;
+use crate::plan::{Effort, LoopSettings, Setup};
+use crate::runs::{ByEffect, Runs, fill_box, rig_at, rig_with, sample};
+use crate::scale::Scale;
+
+/// Where a closed loop stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Stage {
+    /// Runs over the whole range of the free parameters.
+    Base,
+    /// Runs about the calibrated point.
+    Zoom,
+    /// Fillings of the calibrated point.
+    Replicates,
+    /// The rig itself at the point of its stand-in.
+    Full,
+    /// Effects near the calibrated point.
+    Probes,
+    /// The same motions filmed by another camera.
+    Filming,
+    /// About the best points of the effects on the short list.
+    Refine,
+    /// Fresh runs.
+    Confirm,
+}
+
+/// What is told after every run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Told {
+    /// Stage.
+    pub stage: Stage,
+    /// Runs of it that are done.
+    pub done: usize,
+    /// Runs of it.
+    pub of: usize,
+    /// Runs so far.
+    pub runs: usize,
+    /// Processor time of the run that ended, s; `None` for one that was kept or failed.
+    pub cost_s: Option<f64>,
+}
+
+/// A loop to be closed.
+#[derive(Debug, Clone, Copy)]
+pub struct CloseLoop<'a> {
+    /// Rig, free parameters, nuisances, held-out speeds.
+    pub case: &'a Case,
+    /// What was measured.
+    pub measured: &'a MeasuredTable,
+    /// Where simulations are made and kept.
+    pub lab: &'a Laboratory,
+    /// Runs and statistics.
+    pub settings: &'a LoopSettings,
+}
+
+/// Half the side of a box about a best point, coded units.
+const NEAR: f64 = 0.7;
+
+/// Everything known so far.
+pub(crate) struct State<'a> {
+    pub(crate) setup: Setup,
+    pub(crate) effort: Effort,
+    pub(crate) runs: Runs<'a>,
+    base: Vec<Sample>,
+    effects: ByEffect,
+    curves: BTreeMap<String, Change>,
+    /// Point about which each effect is modelled: free parameters, strength.
+    centres: BTreeMap<String, Vec<f64>>,
+    pub(crate) theta: Vec<f64>,
+    bias: Option<Vec<([f64; 4], [[f64; 4]; 4])>>,
+    modes: Vec<Vec<[f64; 4]>>,
+}
+
+impl CloseLoop<'_> {
+    /// Rig of one run at the middle of the free ranges, to see what a run costs.
+    ///
+    /// # Errors
+    /// Those of a case that cannot be simulated.
+    pub fn pilot(&self) -> Result<Rig, CloseLoopError> {
+        let setup = Setup::new(self.case, self.measured, self.settings)?;
+        let low: Vec<f64> = setup.free.iter().map(|f| f.range.0).collect();
+        let high: Vec<f64> = setup.free.iter().map(|f| f.range.1).collect();
+        let middle = fill_box(&setup.axes, &low, &high, 1, 0);
+        rig_at(&setup.rig, &setup.axes, &middle[0], 0)
+    }
+
+    /// Runs of the plan, at most.
+    ///
+    /// # Errors
+    /// As [`CloseLoop::pilot`]; [`CloseLoopError::Budget`] for too few runs.
+    pub fn planned(&self) -> Result<usize, CloseLoopError> {
+        let setup = Setup::new(self.case, self.measured, self.settings)?;
+        let effects = simulated_effects(&setup);
+        Ok(Effort::of(self.settings.runs, setup.free.len(), effects)?.total(effects))
+    }
+
+    /// Close the loop. What is simulated is kept in the laboratory: a second call goes through the
+    /// same stages with what is there and gives the same figures.
+    ///
+    /// # Errors
+    /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
+    pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
+        let setup = Setup::new(self.case, self.measured, self.settings)?;
+        let effort =
+            Effort::of(self.settings.runs, setup.free.len(), simulated_effects(&setup))?;
+        let seed = self.settings.seed;
+        let mut state = State {
+            setup,
+            effort,
+            runs: Runs::new(self.lab, seed),
+            base: Vec::new(),
+            effects: ByEffect::new(),
+            curves: BTreeMap::new(),
+            centres: BTreeMap::new(),
+            theta: Vec::new(),
+            bias: None,
+            modes: Vec::new(),
+        };
+        state.calibrate(watch)?;
+        state.probe(watch)?;
+        let quick = Settings {
+            bootstrap: self.settings.attribution.bootstrap.min(199),
+            stability_bootstrap: 0,
+            ..self.settings.attribution.clone()
+        };
+        let first = state.attribute(&quick)?;
+        let finding = if first.gate.passes && first.gate.p_combined > 0.05 {
+            state.attribute(&self.settings.attribution)?
+        } else {
+            state.refine(&first, watch)?;
+            state.attribute(&self.settings.attribution)?
+        };
+        confirm::outcome(self, &mut state, finding, watch)
+    }
+}
+
+/// Effects that need simulations of their own.
+fn simulated_effects(setup: &Setup) -> usize {
+    setup.catalogue.effects.iter().filter(|e| is_simulated(e)).count() + setup.simulated.len()
+}
+
+fn is_simulated(effect: &Effect) -> bool {
+    matches!(effect.layer, Layer::Physics | Layer::Code)
+}
+
+impl State<'_> {
+    /// Find the free parameters at which the base model meets the data best.
+    fn calibrate(&mut self, watch: &mut dyn FnMut(&Told)) -> Result<(), CloseLoopError> {
+        let low: Vec<f64> = self.setup.free.iter().map(|f| f.range.0).collect();
+        let high: Vec<f64> = self.setup.free.iter().map(|f| f.range.1).collect();
+        let axes = self.setup.axes.clone();
+        let seed = self.runs.filling(Stage::Base, usize::MAX >> 8);
+        let points = fill_box(&axes, &low, &high, self.effort.base, seed);
+        let asked = points.len();
+        self.base_runs(Stage::Base, &points, 0, watch)?;
+        if 2 * self.base.len() < asked {
+            let first = self.runs.failed.first().map_or_else(String::new, |f| f.1.clone());
+            return Err(CloseLoopError::Base { failed: asked - self.base.len(), asked, first });
+        }
+        let middle: Vec<f64> = (0..axes.len())
+            .map(|k| {
+                let s = axes[k].scale;
+                s.back(0.5 * (s.forth(low[k]) + s.forth(high[k])))
+            })
+            .collect();
+        self.theta = self.best(&middle)?;
+        for round in 0..2 {
+            if self.setup.full.is_some() {
+                self.measure_bias(round, watch)?;
+                self.theta = self.best(&self.theta.clone())?;
+            }
+            let (low, high) = self.around(&self.theta, 1.0);
+            let seed = self.runs.filling(Stage::Zoom, (usize::MAX >> 8) - round);
+            let points = fill_box(&axes, &low, &high, self.effort.zoom, seed);
+            self.base_runs(Stage::Zoom, &points, round * self.effort.zoom, watch)?;
+            self.theta = self.best(&self.theta.clone())?;
+            self.theta = self.best(&self.theta.clone())?;
+        }
+        if self.setup.full.is_some() {
+            self.measure_bias(2, watch)?;
+        }
+        let points = vec![self.theta.clone(); self.effort.replicates];
+        self.base_runs(Stage::Replicates, &points, 0, watch)?;
+        self.theta = self.best(&self.theta.clone())?;
+        Ok(())
+    }
+
+    /// Box of free parameters about a point, within their ranges.
+    fn around(&self, at: &[f64], units: f64) -> (Vec<f64>, Vec<f64>) {
+        let side = |sign: f64| {
+            let each = self.setup.axes.iter().zip(&self.setup.free).zip(at);
+            each.map(|((a, f), x)| {
+                let moved = a.scale.back(a.scale.forth(*x) + sign * units * a.unit);
+                moved.clamp(f.range.0, f.range.1)
+            })
+            .collect()
+        };
+        (side(-1.0), side(1.0))
+    }
+
+    fn base_runs(
+        &mut self,
+        stage: Stage,
+        points: &[Vec<f64>],
+        first: usize,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<(), CloseLoopError> {
+        let mut rigs = Vec::new();
+        for (k, point) in points.iter().enumerate() {
+            let filling = self.runs.filling(stage, first + k);
+            let rig = rig_at(&self.setup.rig, &self.setup.axes, point, filling)?;
+            rigs.push((format!("{stage:?} at {point:.3?}"), rig));
+        }
+        for (run, point) in self.runs.all(stage, &rigs, watch)?.iter().zip(points) {
+            if let Some(run) = run {
+                self.base.push(sample(point.clone(), run));
+            }
+        }
+        Ok(())
+    }
+
+    /// The base model about a point.
+    pub(crate) fn base_model(&self, centre: &[f64]) -> Result<Emulator, CalibError> {
+        let knots = self.setup.knots.clone();
+        let model = Emulator::fit(self.setup.axes.clone(), centre.to_vec(), knots, &self.base)?;
+        Ok(self.dress(model))
+    }
+
+    fn dress(&self, model: Emulator) -> Emulator {
+        let model = model.with_modes(self.modes.clone());
+        match &self.bias {
+            Some(bias) => model.with_bias(bias.clone()),
+            None => model,
+        }
+    }
+
+    fn problem<'m>(&self, base: &'m Emulator) -> Problem<'m> {
+        Problem {
+            observations: self.setup.observations.clone(),
+            simulator: base,
+            free: self.setup.free.clone(),
+            nuisances: self.setup.nuisances.clone(),
+        }
+    }
+
+    /// Best free parameters by the model about a point.
+    fn best(&self, centre: &[f64]) -> Result<Vec<f64>, CloseLoopError> {
+        let base = self.base_model(centre)?;
+        let solved = self.problem(&base).solve(0, 0)?;
+        Ok(solved.estimates.iter().map(|e| e.value).collect())
+    }
+
+    /// What the stand-in is off by at the present point.
+    fn measure_bias(
+        &mut self,
+        round: usize,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<(), CloseLoopError> {
+        let Some(full) = self.setup.full.clone() else { return Ok(()) };
+        let each = self.effort.confirm.max(2);
+        let mut rigs = Vec::new();
+        for k in 0..each {
+            let filling = self.runs.filling(Stage::Full, round * each + k);
+            let rig = rig_at(&full, &self.setup.axes, &self.theta, filling)?;
+            rigs.push((format!("the full rig at {:.3?}", self.theta), rig));
+        }
+        let runs: Vec<_> =
+            self.runs.all(Stage::Full, &rigs, watch)?.into_iter().flatten().collect();
+        if runs.is_empty() {
+            let first = self.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
+            return Err(CloseLoopError::Base { failed: each, asked: each, first });
+        }
+        self.bias = None;
+        let model = self.base_model(&self.theta)?;
+        let stand_in = model.moments(&self.theta);
+        let n = runs.len() as f64;
+        let bias = stand_in
+            .iter()
+            .enumerate()
+            .map(|(k, four)| {
+                let mut mean = [0.0; 4];
+                let mut covariance = [[0.0; 4]; 4];
+                for run in &runs {
+                    for r in 0..4 {
+                        mean[r] += run.speeds[k].mean[r] / n;
+                        for s in 0..4 {
+                            covariance[r][s] +=
+                                model.inflation() * run.speeds[k].covariance[r][s] / (n * n);
+                        }
+                    }
+                }
+                for r in 0..4 {
+                    mean[r] -= four[r].0;
+                    covariance[r][r] += four[r].1;
+                }
+                (mean, covariance)
+            })
+            .collect();
+        self.bias = Some(bias);
+        Ok(())
+    }
+
+    /// Simulate every effect at the calibrated point, and film it by every other camera.
+    fn probe(&mut self, watch: &mut dyn FnMut(&Told)) -> Result<(), CloseLoopError> {
+        let known: Vec<Effect> =
+            self.setup.simulated.iter().filter_map(|n| self.known(n)).collect();
+        let effects: Vec<Effect> = self.setup.catalogue.effects.clone();
+        let mut rigs = Vec::new();
+        let mut places = Vec::new();
+        for e in effects.iter().filter(|e| is_simulated(e)).chain(&known) {
+            for (p, strength) in e.probes.iter().enumerate() {
+                for k in 0..self.effort.probes {
+                    // The same fillings for every effect: nothing is gained by others.
+                    let filling = self.runs.filling(Stage::Probes, 2 * k + p);
+                    let (rig, axes) = (&self.setup.rig, &self.setup.axes);
+                    let with = rig_with(rig, axes, &self.theta, (e, *strength), filling)?;
+                    rigs.push((format!("{} = {strength:.4}", e.path), with));
+                    places.push((e.path.clone(), *strength));
+                }
+            }
+        }
+        let runs = self.runs.all(Stage::Probes, &rigs, watch)?;
+        for ((path, strength), run) in places.into_iter().zip(&runs) {
+            let Some(run) = run else { continue };
+            let mut at = self.theta.clone();
+            at.push(strength);
+            self.effects.entry(path).or_default().push(sample(at, run));
+        }
+        for e in &effects {
+            if is_simulated(e) && !self.effects.contains_key(&e.path) {
+                let why = "none of its runs came out".to_owned();
+                self.setup.catalogue.left_out.push((e.path.clone(), why));
+            }
+        }
+        for e in effects.iter().filter(|e| e.layer == Layer::Camera) {
+            if let Some(change) = self.film(e, watch)? {
+                self.curves.insert(e.path.clone(), change);
+            }
+        }
+        for e in effects.iter().filter(|e| e.layer == Layer::Measurement) {
+            let change = match e.path.as_str() {
+                "measure.bias_lin_deg" => Change::Shift(0),
+                "measure.bias_mid_deg" => Change::Shift(1),
+                "measure.offset_x_pct" => Change::Shift(2),
+                "measure.offset_y_pct" => Change::Shift(3),
+                "measure.scale" => Change::Divide,
+                _ => match self.film(e, watch)? {
+                    Some(change) => change,
+                    None => continue,
+                },
+            };
+            self.curves.insert(e.path.clone(), change);
+        }
+        let simulated = self.setup.simulated.clone();
+        for (known, (path, mean, sd)) in known.iter().zip(&simulated) {
+            self.modes.extend(self.mode(known, path, *mean, *sd)?);
+        }
+        Ok(())
+    }
+
+    /// An uncertain known as an effect that is simulated two standard deviations to either side.
+    fn known(&self, (path, mean, sd): &(String, f64, f64)) -> Option<Effect> {
+        let p = rig_schema::namespace::find(path)?;
+        let inside = |x: f64| x.clamp(p.range.0, p.range.1);
+        Some(Effect {
+            path: path.clone(),
+            layer: Layer::Physics,
+            null: *mean,
+            probes: [inside(mean - 2.0 * sd), inside(mean + 2.0 * sd)],
+            range: p.range,
+            scale: Scale::Linear,
+            along: Vec::new(),
+            needs: crate::catalogue::Needs::Nothing,
+            prior: 1.0,
+            exposed_by: String::new(),
+            meaning: p.meaning.to_owned(),
+        })
+    }
+
+    /// Change of all responses for one standard deviation of an uncertain known.
+    fn mode(
+        &self,
+        effect: &Effect,
+        path: &str,
+        mean: f64,
+        sd: f64,
+    ) -> Result<Option<Vec<[f64; 4]>>, CloseLoopError> {
+        let Some(samples) = self.effects.get(path) else { return Ok(None) };
+        let at = |s: f64| {
+            let mut at = self.theta.clone();
+            at.push(s);
+            at
+        };
+        let model = self.effect_model(effect, &at(mean), samples)?;
+        let (up, down) = (model.at_knots(&at(mean + sd)), model.at_knots(&at(mean - sd)));
+        let half = |(u, d): (&[f64; 4], &[f64; 4])| std::array::from_fn(|r| 0.5 * (u[r] - d[r]));
+        Ok(Some(up.iter().zip(&down).map(half).collect()))
+    }
+
+    /// Film the motions of the calibrated point again, with a camera effect.
+    fn film(
+        &mut self,
+        effect: &Effect,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<Option<Change>, CloseLoopError> {
+        let count = self.effort.replicates.min(3);
+        let unit = effect.probes[1] - effect.null;
+        let strengths = [effect.null, effect.null - unit, effect.null + unit];
+        let mut rigs = Vec::new();
+        for strength in strengths {
+            for k in 0..count {
+                let filling = self.runs.filling(Stage::Replicates, k);
+                let (rig, axes) = (&self.setup.rig, &self.setup.axes);
+                // Where the replicates were made; the best point has moved a little since.
+                let at = &self.base[self.base.len() - 1].at.clone();
+                rigs.push((
+                    format!("{} = {strength:.4}", effect.path),
+                    rig_with(rig, axes, at, (effect, strength), filling)?,
+                ));
+            }
+        }
+        let made = self.runs.made;
+        let runs = self.runs.all(Stage::Filming, &rigs, watch)?;
+        // Filming again is no run.
+        self.runs.made = made;
+        let knots = self.setup.knots.len();
+        let (mut first, mut second) = (vec![[0.0; 4]; knots], vec![[0.0; 4]; knots]);
+        let mut slopes: Vec<Vec<[f64; 4]>> = Vec::new();
+        for k in 0..count {
+            let [Some(zero), Some(down), Some(up)] =
+                [&runs[k], &runs[count + k], &runs[2 * count + k]]
+            else {
+                continue;
+            };
+            let mut own = vec![[0.0; 4]; knots];
+            for i in 0..knots {
+                for r in 0..4 {
+                    let (z, d, u) =
+                        (zero.speeds[i].mean[r], down.speeds[i].mean[r], up.speeds[i].mean[r]);
+                    own[i][r] = 0.5 * (u - d);
+                    first[i][r] += own[i][r];
+                    second[i][r] += 0.5 * (u + d) - z;
+                }
+            }
+            slopes.push(own);
+        }
+        if slopes.is_empty() {
+            let why = "none of its films could be measured".to_owned();
+            self.setup.catalogue.left_out.push((effect.path.clone(), why));
+            return Ok(None);
+        }
+        let n = slopes.len() as f64;
+        first.iter_mut().chain(&mut second).flatten().for_each(|v| *v /= n);
+        let variance = (0..knots)
+            .map(|i| {
+                std::array::from_fn(|r| {
+                    let spread: f64 =
+                        slopes.iter().map(|s| (s[i][r] - first[i][r]).powi(2)).sum();
+                    // A film of the same motion is good to a hundredth of a degree.
+                    1e-4 + if slopes.len() > 1 { spread / ((n - 1.0) * n) } else { 0.01 }
+                })
+            })
+            .collect();
+        Ok(Some(Change::Filmed { unit, first, second, variance }))
+    }
+
+    fn effect_axes(&self, effect: &Effect) -> Vec<Axis> {
+        let mut axes = self.setup.axes.clone();
+        let t = |x: f64| effect.scale.forth(x);
+        let unit = (t(effect.probes[1]) - t(effect.null)).abs().max(f64::MIN_POSITIVE);
+        axes.push(Axis { path: effect.path.clone(), scale: effect.scale, unit });
+        axes
+    }
+
+    fn effect_model(
+        &self,
+        effect: &Effect,
+        centre: &[f64],
+        samples: &[Sample],
+    ) -> Result<Emulator, CalibError> {
+        let mut all: Vec<Sample> = self
+            .base
+            .iter()
+            .map(|s| {
+                let mut at = s.at.clone();
+                at.push(effect.null);
+                Sample { at, ..s.clone() }
+            })
+            .collect();
+        all.extend_from_slice(samples);
+        let knots = self.setup.knots.clone();
+        Ok(self.dress(Emulator::fit(self.effect_axes(effect), centre.to_vec(), knots, &all)?))
+    }
+
+    /// Ask which effect the data call for.
+    fn attribute(&self, settings: &Settings) -> Result<Finding, CloseLoopError> {
+        let base = self.base_model(&self.theta)?;
+        let mut models: Vec<(&Effect, Coded)> = Vec::new();
+        for effect in &self.setup.catalogue.effects {
+            let model: Box<dyn Simulator> = if let Some(change) = self.curves.get(&effect.path) {
+                Box::new(Curve {
+                    base: base.clone(),
+                    name: effect.path.clone(),
+                    null: effect.null,
+                    change: change.clone(),
+                })
+            } else if let Some(samples) = self.effects.get(&effect.path) {
+                let centre = self.centre(effect);
+                Box::new(self.effect_model(effect, &centre, samples)?)
+            } else {
+                continue;
+            };
+            models.push((effect, Coded::new(effect, model)));
+        }
+        let candidates = models
+            .iter()
+            .map(|(effect, model)| Candidate {
+                name: effect.path.clone(),
+                simulator: model,
+                null: 0.0,
+                range: model.range(effect.range),
+                layer: effect.layer,
+                prior: effect.prior,
+                exposed_by: effect.exposed_by.clone(),
+                meaning: effect.meaning.clone(),
+            })
+            .collect();
+        let attribution = Attribution {
+            base: self.problem(&base),
+            candidates,
+            code_covariance: None,
+            held_out: self.setup.held_out.clone(),
+            experiments: Vec::new(),
+            settings: settings.clone(),
+        };
+        let mut finding = attribution.attribute()?;
+        decode(&mut finding, &models);
+        Ok(finding)
+    }
+
+    /// Point about which an effect is modelled.
+    fn centre(&self, effect: &Effect) -> Vec<f64> {
+        self.centres.get(&effect.path).cloned().unwrap_or_else(|| {
+            let mut at = self.theta.clone();
+            let two_sided = (effect.probes[0] < effect.null) != (effect.probes[1] < effect.null);
+            at.push(if two_sided { effect.null } else { effect.probes[0] });
+            at
+        })
+    }
+
+    /// Simulate about the best points of the most promising effects.
+    fn refine(
+        &mut self,
+        first: &Finding,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<(), CloseLoopError> {
+        let effects = self.setup.catalogue.effects.clone();
+        let best = first.ranked.iter().map(|r| r.improvement).fold(0.0, f64::max);
+        let promising = first.ranked.iter().filter(|r| {
+            r.improvement > best - 40.0 && r.improvement > 0.3 * best
+        });
+        let mut rigs = Vec::new();
+        let mut places = Vec::new();
+        let mut listed = 0;
+        for r in promising {
+            let Some(effect) = effects.iter().find(|e| e.path == r.name) else { continue };
+            if !is_simulated(effect) || listed >= self.effort.short_list {
+                continue;
+            }
+            listed += 1;
+            let centre = r.fit.theta.clone();
+            let Some((strength, theta)) = centre.split_last() else { continue };
+            let axes = self.effect_axes(effect);
+            let (mut low, mut high) = self.around(theta, NEAR);
+            let axis = &axes[axes.len() - 1];
+            let t = axis.scale.forth(*strength);
+            let beside = |sign: f64| {
+                axis.scale.back(t + sign * NEAR * axis.unit).clamp(effect.range.0, effect.range.1)
+            };
+            low.push(beside(-1.0));
+            high.push(beside(1.0));
+            let seed = self.runs.filling(Stage::Refine, (usize::MAX >> 8) - listed);
+            let around = self.effort.refine.saturating_sub(2);
+            let mut points = vec![centre.clone(); self.effort.refine - around];
+            points.extend(fill_box(&axes, &low, &high, around, seed));
+            for (k, point) in points.into_iter().enumerate() {
+                let filling = self.runs.filling(Stage::Refine, k);
+                let Some((s, theta)) = point.split_last() else { continue };
+                let rig = rig_with(&self.setup.rig, &self.setup.axes, theta, (effect, *s), filling)?;
+                rigs.push((format!("{} = {s:.4}", effect.path), rig));
+                places.push((effect.path.clone(), point));
+            }
+            self.centres.insert(effect.path.clone(), centre);
+        }
+        let runs = self.runs.all(Stage::Refine, &rigs, watch)?;
+        for ((path, at), run) in places.into_iter().zip(&runs) {
+            if let Some(run) = run {
+                self.effects.entry(path).or_default().push(sample(at, run));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A simulator whose last parameter is a coordinate: 0 where the effect is absent, and about
+/// linear in the responses.
+struct Coded {
+    inner: Box<dyn Simulator>,
+    scale: Scale,
+    null: f64,
+    unit: f64,
+}
+
+impl Coded {
+    fn new(effect: &Effect, inner: Box<dyn Simulator>) -> Self {
+        let unit = effect.scale.forth(effect.probes[1]) - effect.scale.forth(effect.null);
+        let unit = if unit.abs() > 0.0 { unit } else { 1.0 };
+        Self { inner, scale: effect.scale, null: effect.null, unit }
+    }
+
+    fn strength(&self, v: f64) -> f64 {
+        if v == 0.0 {
+            return self.null;
+        }
+        self.scale.back(self.scale.forth(self.null) + v * self.unit)
+    }
+
+    fn range(&self, (low, high): (f64, f64)) -> (f64, f64) {
+        let code = |s: f64| (self.scale.forth(s) - self.scale.forth(self.null)) / self.unit;
+        let (a, b) = (code(low), code(high));
+        (a.min(b), a.max(b))
+    }
+}
+
+impl Simulator for Coded {
+    fn parameters(&self) -> Vec<String> {
+        self.inner.parameters()
+    }
+
+    fn speed_range_rpm(&self) -> (f64, f64) {
+        self.inner.speed_range_rpm()
+    }
+
+    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
+        let mut at = theta.to_vec();
+        if let Some(v) = at.last_mut() {
+            *v = self.strength(*v);
+        }
+        self.inner.predict(&at, speeds_rpm)
+    }
+}
+
+/// Strengths of a finding from coordinates to values.
+fn decode(finding: &mut Finding, models: &[(&Effect, Coded)]) {
+    let model = |name: &str| models.iter().find(|(e, _)| e.path == name).map(|(_, m)| m);
+    for r in &mut finding.ranked {
+        let Some(m) = model(&r.name) else { continue };
+        let turned = m.unit < 0.0;
+        r.strength.value = m.strength(r.strength.value);
+        let ends = [r.strength.lo, r.strength.hi].map(|e| e.map(|v| m.strength(v)));
+        [r.strength.lo, r.strength.hi] = if turned { [ends[1], ends[0]] } else { ends };
+        if let Some(v) = r.fit.theta.last_mut() {
+            *v = m.strength(*v);
+        }
+        // A curvature in another coordinate is no standard deviation.
+        if let Some(sd) = r.fit.sd.last_mut() {
+            *sd = None;
+        }
+    }
+    for p in &mut finding.pairs {
+        for (name, s) in p.names.iter().zip(&mut p.strengths) {
+            if let Some(m) = model(name) {
+                *s = m.strength(*s);
+            }
+        }
+    }
+    for d in &mut finding.detectable {
+        if let Some(m) = model(&d.name) {
+            d.towards = m.strength(d.towards);
+            d.strength = d.strength.map(|s| m.strength(s));
+        }
+    }
+}

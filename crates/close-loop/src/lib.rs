@@ -1,0 +1,38 @@
+//! Closing the loop: find the residual that a calibrated drum simulation leaves, name the effect
+//! behind it, add it, and report the error before and after.
+//!
+//! [`CloseLoop`] takes a case (a rig with measured responses and free frictions) and a
+//! [`campaign::Laboratory`] that simulates. It calibrates the rig on its own simulations, decides
+//! whether anything is missing, simulates every effect of the [`Catalogue`] near the calibrated
+//! point, asks [`calib::attribution`] which of them the data call for, simulates around the best
+//! ones again, and confirms the winner by fresh runs at all speeds, those held out included.
+
+pub use {calib, campaign, rig_schema};
+
+mod catalogue;
+mod confirm;
+mod curve;
+mod driver;
+mod emulator;
+mod error;
+mod outcome;
+mod plan;
+mod runs;
+mod scale;
+mod speeds;
+mod table;
+
+pub use catalogue::{Catalogue, Effect, Needs};
+pub use curve::{Change, Curve};
+pub use driver::{CloseLoop, Stage, Told};
+pub use emulator::{Axis, Emulator, Sample};
+pub use error::CloseLoopError;
+pub use outcome::{Errors, Outcome, Point, ResponseErrors, Side, StrengthOf};
+pub use plan::{Effort, LoopSettings};
+pub use scale::Scale;
+pub use table::close_with_table;
+
+/// The examples of the README, compiled.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct Readme;

@@ -1,0 +1,133 @@
+//! What a closed loop says: plain numbers.
+
+use calib::attribution::Finding;
+use serde::Serialize;
+
+use crate::plan::Effort;
+
+/// A response at a speed: measured, and both models by fresh runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// Speed, rpm.
+    pub omega_rpm: f64,
+    /// Column of the response.
+    pub response: &'static str,
+    /// Whether it was fitted.
+    pub fitted: bool,
+    /// Measured mean.
+    pub measured: f64,
+    /// Standard deviation of the difference to the calibrated model, all but nuisances.
+    pub sd: f64,
+    /// The calibrated model without the effect, nuisances at their estimates.
+    pub before: f64,
+    /// With it; the same as `before` where nothing was named.
+    pub after: f64,
+}
+
+/// Errors of one response over one set of speeds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResponseErrors {
+    /// Column of the response.
+    pub response: &'static str,
+    /// Points.
+    pub points: usize,
+    /// Root mean square error, deg or percent of R.
+    pub rmse: f64,
+    /// The same in standard deviations.
+    pub rmse_sd: f64,
+    /// Error that noise alone would leave, deg or percent of R.
+    pub floor: f64,
+}
+
+/// Errors of one model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Errors {
+    /// At fitted speeds, response by response.
+    pub fitted: Vec<ResponseErrors>,
+    /// At speeds kept aside.
+    pub held_out: Vec<ResponseErrors>,
+    /// Chi-square at fitted speeds, nuisances marginalised.
+    pub chi2: f64,
+    /// Its degrees of freedom.
+    pub dof: usize,
+    /// Its probability.
+    pub p: f64,
+}
+
+/// One confirmed model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Side {
+    /// The effect; `None` for the base model.
+    pub effect: Option<String>,
+    /// Free parameters (and the effect last) at which fresh runs were made.
+    pub at: Vec<(String, f64)>,
+    /// Fresh fillings.
+    pub fillings: usize,
+    /// Errors of the fresh runs.
+    pub errors: Errors,
+}
+
+/// Strength of a named effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StrengthOf {
+    /// Name.
+    pub name: String,
+    /// What it stands for.
+    pub meaning: String,
+    /// The rig's own value.
+    pub null: f64,
+    /// Best value.
+    pub value: f64,
+    /// Lower end of the 95 % interval; the end of the physical range if the data leave it open.
+    pub lo: f64,
+    /// Upper end.
+    pub hi: f64,
+}
+
+/// Everything that closing a loop found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outcome {
+    /// Name of the case.
+    pub case: String,
+    /// `none`, `effect`, `class` or `unknown`.
+    pub verdict: &'static str,
+    /// Named effects, best first.
+    pub members: Vec<String>,
+    /// The verdict in a sentence.
+    pub sentence: String,
+    /// Strength of each member.
+    pub strengths: Vec<StrengthOf>,
+    /// Free parameters of the calibrated base model: path, value, standard deviation.
+    pub calibrated: Vec<(String, f64, Option<f64>)>,
+    /// Statistics behind the verdict.
+    pub finding: Finding,
+    /// The base model by fresh runs.
+    pub before: Side,
+    /// The winner by fresh runs; the base model where nothing was named.
+    pub after: Side,
+    /// Further members of the class by fresh runs.
+    pub others: Vec<Side>,
+    /// Share of the mean square error above the noise floor that the winner removes at held-out
+    /// speeds (fitted ones where none are held out), in standard deviations; `None` if none was.
+    pub removed: Option<f64>,
+    /// Whether fresh runs agree with the winner: `None` where nothing was named.
+    pub confirmed: Option<bool>,
+    /// Responses point by point.
+    pub points: Vec<Point>,
+    /// Speeds that were simulated, rpm.
+    pub speeds_rpm: Vec<f64>,
+    /// Variance of runs over that of their frames.
+    pub inflation: f64,
+    /// How runs were spent.
+    pub effort: Effort,
+    /// Runs simulated or read back.
+    pub runs: usize,
+    /// Processor time of all runs when they were made, s.
+    pub cost_s: f64,
+    /// Runs that failed: what they were, and why.
+    pub failed: Vec<(String, String)>,
+    /// Effects that were not tried: name, reason.
+    pub left_out: Vec<(String, String)>,
+    /// What was assumed, in sentences.
+    pub assumed: Vec<String>,
+}

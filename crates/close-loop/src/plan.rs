@@ -1,0 +1,240 @@
+//! What a case asks for, and how many runs go where.
+
+use calib::attribution::Settings as AttributionSettings;
+use calib::{FrameCorrelation, FreeParameter, Nuisance, Observations};
+use campaign::drum_rig::{Coarsening, coarse};
+use rig_schema::{Case, Layer, MeasuredTable, Rig, Simulator, namespace};
+
+use crate::catalogue::Catalogue;
+use crate::emulator::Axis;
+use crate::error::CloseLoopError;
+use crate::scale::Scale;
+use crate::speeds::knots;
+
+/// Independent frames in a measured mean where neither the case nor the table says.
+const DEFAULT_N_EFF: f64 = 15.0;
+
+/// How a loop is closed: what is no property of the case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopSettings {
+    /// Most runs that may be simulated; chosen by the number of effects where not given.
+    pub runs: Option<usize>,
+    /// Most speeds that are simulated; others are interpolated.
+    pub most_speeds: usize,
+    /// Seed of designs and fillings.
+    pub seed: u64,
+    /// Levels and sizes of the statistics.
+    pub attribution: AttributionSettings,
+}
+
+impl Default for LoopSettings {
+    fn default() -> Self {
+        let attribution = AttributionSettings { bootstrap: 499, stability_bootstrap: 99, ..AttributionSettings::default() };
+        Self { runs: None, most_speeds: 6, seed: 1, attribution }
+    }
+}
+
+/// How many runs each stage makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(serde::Serialize)]
+pub struct Effort {
+    /// Over the whole range of the free parameters.
+    pub base: usize,
+    /// About the calibrated point, in each of two rounds.
+    pub zoom: usize,
+    /// At the calibrated point.
+    pub replicates: usize,
+    /// For each effect that is simulated: fillings at each of its two strengths.
+    pub probes: usize,
+    /// About the best point of each effect on the short list.
+    pub refine: usize,
+    /// Effects on the short list.
+    pub short_list: usize,
+    /// Fillings of each confirmed model.
+    pub confirm: usize,
+}
+
+impl Effort {
+    /// No runs at all.
+    pub(crate) fn nothing() -> Self {
+        Self { base: 0, zoom: 0, replicates: 0, probes: 0, refine: 0, short_list: 0, confirm: 0 }
+    }
+
+    /// Runs that a plan takes at most, for `effects` that are simulated.
+    pub fn total(self, effects: usize) -> usize {
+        self.base
+            + 2 * self.zoom
+            + self.replicates
+            + 2 * self.probes * effects
+            + self.refine * self.short_list
+            // The base, the winner and two more of its class.
+            + 4 * self.confirm
+    }
+
+    /// The plan for a number of runs.
+    ///
+    /// # Errors
+    /// [`CloseLoopError::Budget`] if not even the smallest plan fits.
+    pub fn of(runs: Option<usize>, free: usize, effects: usize) -> Result<Self, CloseLoopError> {
+        let least = Self {
+            base: 2 * free + 4,
+            zoom: free + 3,
+            replicates: 3,
+            probes: 1,
+            refine: free + 3,
+            short_list: effects.min(2),
+            confirm: 2,
+        };
+        let usual = Self {
+            base: 4 * free + 6,
+            zoom: 2 * free + 3,
+            replicates: 5,
+            probes: 2,
+            refine: 2 * free + 5,
+            short_list: effects.min(4),
+            confirm: 3,
+        };
+        let Some(runs) = runs else { return Ok(usual) };
+        let smallest = least.total(effects);
+        if runs < smallest {
+            return Err(CloseLoopError::Budget { runs, least: smallest, free, effects });
+        }
+        let mut plan = least;
+        // What a run is best spent on next, over and over.
+        let steps: [fn(&mut Self, usize); 7] = [
+            |p, _| p.refine += 2,
+            |p, e| p.short_list = (p.short_list + 1).min(e.min(5)),
+            |p, _| p.replicates += 2,
+            |p, _| p.probes += 1,
+            |p, _| p.zoom += 2,
+            |p, _| p.base += 2,
+            |p, _| p.confirm += 1,
+        ];
+        loop {
+            let before = plan;
+            for step in steps {
+                let mut next = plan;
+                step(&mut next, effects);
+                if next.total(effects) <= runs && next.confirm <= 6 && next.probes <= 6 {
+                    plan = next;
+                }
+            }
+            if plan == before || plan.base > 200 {
+                return Ok(plan);
+            }
+        }
+    }
+}
+
+/// A case made ready.
+#[derive(Debug, Clone)]
+pub(crate) struct Setup {
+    /// The rig that effects are simulated on, at the speeds to simulate.
+    pub(crate) rig: Rig,
+    /// The rig itself where `rig` is a stand-in.
+    pub(crate) full: Option<Rig>,
+    pub(crate) free: Vec<FreeParameter>,
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) knots: Vec<f64>,
+    pub(crate) observations: Observations,
+    pub(crate) held_out: Option<Observations>,
+    pub(crate) nuisances: Vec<Nuisance>,
+    /// Uncertain knowns that must be simulated: path, mean, standard deviation.
+    pub(crate) simulated: Vec<(String, f64, f64)>,
+    pub(crate) catalogue: Catalogue,
+}
+
+impl Setup {
+    pub(crate) fn new(
+        case: &Case,
+        measured: &MeasuredTable,
+        settings: &LoopSettings,
+    ) -> Result<Self, CloseLoopError> {
+        let Simulator::Rig { coarse: stand_in } = case.simulator else {
+            return Err(CloseLoopError::NoRig { case: case.rig.name.clone() });
+        };
+        let count = measured.rows.len();
+        let all: Vec<f64> = measured.rows.iter().map(|r| r.omega_rpm).collect();
+        let knots = knots(&all, settings.most_speeds);
+        let mut given = case.rig.clone();
+        given.run.speeds_rpm.clone_from(&knots);
+        let rig = if stand_in { coarse(&given, Coarsening::default())? } else { given.clone() };
+        let mut free = Vec::new();
+        let mut axes = Vec::new();
+        for f in &case.free {
+            let physics = namespace::find(&f.path).is_some_and(|p| p.layer == Layer::Physics);
+            if !physics {
+                return Err(CloseLoopError::NotPhysics { path: f.path.clone() });
+            }
+            let scale = Scale::of(&f.path, f.range.0);
+            free.push(FreeParameter { name: f.path.clone(), range: f.range });
+            axes.push(Axis { path: f.path.clone(), scale, unit: scale.unit(f.range) });
+        }
+        let mut nuisances = Vec::new();
+        let mut simulated = Vec::new();
+        for n in &case.nuisance {
+            match Nuisance::from_path(&n.path, n.mean, n.sd) {
+                Some(linear) => nuisances.push(linear),
+                None if namespace::find(&n.path).is_some() => {
+                    simulated.push((n.path.clone(), n.mean, n.sd));
+                }
+                None => return Err(CloseLoopError::Nuisance { path: n.path.clone() }),
+            }
+        }
+        let n_eff = case.data.n_eff.unwrap_or(DEFAULT_N_EFF);
+        let range = (f64::NEG_INFINITY, f64::INFINITY);
+        let (every, _) =
+            Observations::from_table(measured, range, n_eff, FrameCorrelation::default())?;
+        let kept_aside = |omega: f64| {
+            let index = all.iter().position(|s| *s == omega).unwrap_or(0);
+            case.holds_out(index, count, omega)
+        };
+        let observations = every.filter(|o| !kept_aside(o.omega_rpm));
+        let held_out = every.filter(|o| kept_aside(o.omega_rpm));
+        let taken: Vec<String> = case
+            .free
+            .iter()
+            .map(|f| f.path.clone())
+            .chain(case.nuisance.iter().map(|n| n.path.clone()))
+            .collect();
+        let mut catalogue = Catalogue::of(&rig, &taken).without(&case.catalogue.without);
+        if !case.catalogue.only.is_empty() {
+            catalogue = catalogue.only(&case.catalogue.only);
+        }
+        Ok(Self {
+            rig,
+            full: stand_in.then_some(given),
+            free,
+            axes,
+            knots,
+            observations,
+            held_out: (!held_out.items.is_empty()).then_some(held_out),
+            nuisances,
+            simulated,
+            catalogue,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_keeps_to_its_runs_and_uses_them() {
+        for effects in [3, 8, 16] {
+            for free in [1, 2, 3] {
+                let least = Effort::of(Some(1), free, effects).unwrap_err();
+                let CloseLoopError::Budget { least, .. } = least else { panic!("{least}") };
+                for runs in [least, least + 7, 90, 150, 400] {
+                    let Ok(plan) = Effort::of(Some(runs), free, effects) else {
+                        assert!(runs < least);
+                        continue;
+                    };
+                    assert!(plan.total(effects) <= runs, "{plan:?}");
+                    assert!(plan.total(effects) + 2 * effects + 20 >= runs.min(300), "{runs} {plan:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! From points to samples, through the laboratory.
+
+use std::collections::BTreeMap;
+
+use campaign::{CampaignError, Laboratory, Run};
+use rand::{Rng as _, RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rig_schema::Rig;
+
+use crate::catalogue::{Effect, set};
+use crate::driver::{Stage, Told};
+use crate::emulator::{Axis, Sample};
+use crate::error::CloseLoopError;
+
+/// Everything simulated so far, and what failed.
+pub(crate) struct Runs<'a> {
+    pub(crate) lab: &'a Laboratory,
+    pub(crate) seed: u64,
+    /// Runs asked for, kept ones included.
+    pub(crate) made: usize,
+    pub(crate) cost_s: f64,
+    pub(crate) steps: u64,
+    /// Rigs that failed: what they were, and why.
+    pub(crate) failed: Vec<(String, String)>,
+}
+
+impl<'a> Runs<'a> {
+    pub(crate) fn new(lab: &'a Laboratory, seed: u64) -> Self {
+        Self { lab, seed, made: 0, cost_s: 0.0, steps: 0, failed: Vec::new() }
+    }
+
+    /// Seed of a filling: the same for the same stage and number.
+    pub(crate) fn filling(&self, stage: Stage, number: usize) -> u64 {
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        random.set_stream(1 + stage as u64);
+        random.set_word_pos(4 * number as u128);
+        // Whole numbers that a rig file can hold.
+        random.next_u64() >> 12
+    }
+
+    /// Run rigs; a rig that fails is noted under its label and gives `None`.
+    pub(crate) fn all(
+        &mut self,
+        stage: Stage,
+        rigs: &[(String, Rig)],
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<Vec<Option<Run>>, CloseLoopError> {
+        let list: Vec<Rig> = rigs.iter().map(|(_, rig)| rig.clone()).collect();
+        let (mut done, of) = (0, list.len());
+        let made = self.made;
+        watch(&Told { stage, done, of, runs: made, cost_s: None });
+        let results = self.lab.run(&list, |d| {
+            done += 1;
+            let cost_s = d.run.ok().filter(|_| !d.kept).map(|r| r.cost_s);
+            watch(&Told { stage, done, of, runs: made + done, cost_s });
+        });
+        self.made += of;
+        let mut runs = Vec::new();
+        for (result, (label, _)) in results.into_iter().zip(rigs) {
+            match result {
+                Ok(run) => {
+                    self.cost_s += run.cost_s;
+                    self.steps += run.steps;
+                    runs.push(Some(run));
+                }
+                Err(CampaignError::Stopped) => return Err(CloseLoopError::Stopped),
+                Err(e @ (CampaignError::Unwritable { .. } | CampaignError::Unreadable { .. })) => {
+                    return Err(e.into());
+                }
+                Err(e) => {
+                    self.failed.push((label.clone(), chain(&e)));
+                    runs.push(None);
+                }
+            }
+        }
+        Ok(runs)
+    }
+}
+
+/// An error with its causes.
+fn chain(e: &dyn std::error::Error) -> String {
+    let mut text = e.to_string();
+    let mut cause = e.source();
+    while let Some(c) = cause {
+        text = format!("{text}: {c}");
+        cause = c.source();
+    }
+    text
+}
+
+/// The rig at values of the free parameters, with a seed.
+pub(crate) fn rig_at(
+    rig: &Rig,
+    axes: &[Axis],
+    theta: &[f64],
+    seed: u64,
+) -> Result<Rig, CloseLoopError> {
+    let mut at = rig.clone();
+    for (axis, value) in axes.iter().zip(theta) {
+        set(&mut at, &axis.path, *value)?;
+    }
+    at.run.seed = seed;
+    Ok(at)
+}
+
+/// The rig with an effect as well.
+pub(crate) fn rig_with(
+    rig: &Rig,
+    axes: &[Axis],
+    theta: &[f64],
+    (effect, strength): (&Effect, f64),
+    seed: u64,
+) -> Result<Rig, CloseLoopError> {
+    effect.apply(&rig_at(rig, axes, theta, seed)?, strength)
+}
+
+/// What a run showed, at a point.
+pub(crate) fn sample(at: Vec<f64>, run: &Run) -> Sample {
+    Sample {
+        at,
+        mean: run.speeds.iter().map(|s| s.mean).collect(),
+        covariance: run.speeds.iter().map(|s| s.covariance).collect(),
+    }
+}
+
+/// Points that fill a box in the coordinates of the axes: a randomised Latin hypercube, the best
+/// of several by its least distance.
+pub(crate) fn fill_box(
+    axes: &[Axis],
+    low: &[f64],
+    high: &[f64],
+    count: usize,
+    seed: u64,
+) -> Vec<Vec<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut best: (f64, Vec<Vec<f64>>) = (-1.0, Vec::new());
+    for _ in 0..40 {
+        let mut columns = Vec::new();
+        for _ in axes {
+            let mut order: Vec<usize> = (0..count).collect();
+            for i in (1..count).rev() {
+                order.swap(i, random.random_range(0..=i));
+            }
+            let cells = order.iter().map(|k| (*k as f64 + 0.5) / count as f64);
+            columns.push(cells.collect::<Vec<f64>>());
+        }
+        let points: Vec<Vec<f64>> =
+            (0..count).map(|i| columns.iter().map(|c| c[i]).collect()).collect();
+        let mut least = f64::INFINITY;
+        for i in 0..count {
+            for j in 0..i {
+                let d: f64 = points[i].iter().zip(&points[j]).map(|(a, b)| (a - b).powi(2)).sum();
+                least = least.min(d);
+            }
+        }
+        if least > best.0 {
+            best = (least, points);
+        }
+    }
+    let place = |u: &f64, k: usize| {
+        let (a, b) = (axes[k].scale.forth(low[k]), axes[k].scale.forth(high[k]));
+        axes[k].scale.back(a + u * (b - a)).clamp(low[k], high[k])
+    };
+    best.1.iter().map(|p| p.iter().enumerate().map(|(k, u)| place(u, k)).collect()).collect()
+}
+
+/// Samples of each effect by its path.
+pub(crate) type ByEffect = BTreeMap<String, Vec<Sample>>;

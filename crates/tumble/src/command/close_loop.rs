@@ -1,0 +1,208 @@
+//! `tumble close-loop`: the residual, the effect behind it, the error before and after.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::Context;
+use campaign::{Laboratory, Resolution, Sampling};
+use close_loop::{CloseLoop, CloseLoopError, Errors, LoopSettings, Outcome, ResponseErrors, Stage};
+use indicatif::{ProgressBar, ProgressStyle};
+use rig_schema::{Case, MeasuredTable, Simulator};
+use serde::Serialize;
+
+use crate::cli::CloseLoopArgs;
+use crate::input::{self, CaseText};
+use crate::output;
+use crate::report::closing::{Closed, page};
+
+/// Share of a budget that runs may take; the rest is statistics.
+const SIMULATING: f64 = 0.8;
+
+#[derive(Serialize)]
+struct Gate {
+    chi2: f64,
+    dof: usize,
+    p: f64,
+}
+
+#[derive(Serialize)]
+struct Interval {
+    value: f64,
+    lo: f64,
+    hi: f64,
+}
+
+#[derive(Serialize)]
+struct Side<'a> {
+    fitted: BTreeMap<&'a str, f64>,
+    held_out: BTreeMap<&'a str, f64>,
+    chi2: f64,
+}
+
+impl<'a> Side<'a> {
+    fn of(errors: &'a Errors) -> Self {
+        let map = |all: &'a [ResponseErrors]| all.iter().map(|e| (e.response, e.rmse)).collect();
+        Self { fitted: map(&errors.fitted), held_out: map(&errors.held_out), chi2: errors.chi2 }
+    }
+}
+
+/// What a machine reads: the summary, then everything.
+#[derive(Serialize)]
+struct Printed<'a> {
+    verdict: &'a str,
+    members: &'a [String],
+    strength: BTreeMap<&'a str, Interval>,
+    gate: Gate,
+    before: Side<'a>,
+    after: Side<'a>,
+    runs: usize,
+    wall_s: f64,
+    report: String,
+    sentence: &'a str,
+    confirmed: Option<bool>,
+    removed: Option<f64>,
+    detail: &'a Outcome,
+}
+
+pub(crate) fn run(args: &CloseLoopArgs) -> anyhow::Result<()> {
+    let begun = Instant::now();
+    let text = input::case_text(args.case.as_deref())?;
+    let case = Case::parse(&text.case.name, &text.case.text)?;
+    let measured = MeasuredTable::parse(&text.measured.name, &text.measured.text)?;
+    let folder = output::folder(args.out.as_deref(), &format!("close_loop_{}", case.rig.name))?;
+    let outcome = match &case.simulator {
+        Simulator::Rig { .. } => by_runs(args, &case, &measured, &folder)?,
+        Simulator::Table(_) => by_table(args, &text)?,
+    };
+    let inputs = vec![text.case.input(), text.measured.input()];
+    let wall_s = begun.elapsed().as_secs_f64();
+    let closed = Closed { outcome: &outcome, case: &case, inputs, args };
+    let report = output::write(&folder, "report.html", &page(&closed).html())?;
+    let printed = printed(&outcome, wall_s, report.display().to_string());
+    let json = serde_json::to_string_pretty(&printed)?;
+    output::write(&folder, "closed_loop.json", &json)?;
+    if args.json {
+        println!("{json}");
+    } else {
+        print(&outcome, &printed);
+    }
+    Ok(())
+}
+
+fn by_runs(
+    args: &CloseLoopArgs,
+    case: &Case,
+    measured: &MeasuredTable,
+    folder: &std::path::Path,
+) -> anyhow::Result<Outcome> {
+    let resolution = Resolution { width_px: args.width, ..Resolution::default() };
+    let cache = args.cache.clone().unwrap_or_else(|| folder.join("cache"));
+    let sampling = Sampling { resolution, ..Sampling::default() };
+    let lab = Arc::new(Laboratory::open(&cache, args.jobs, sampling)?);
+    let asked = Arc::clone(&lab);
+    ctrlc::set_handler(move || asked.stop()).context("cannot listen for Ctrl-C")?;
+    let mut settings = LoopSettings {
+        runs: args.runs,
+        most_speeds: args.speeds,
+        seed: args.seed,
+        ..LoopSettings::default()
+    };
+    settings.attribution.bootstrap = args.bootstrap;
+    settings.attribution.seed = args.seed;
+    if let Some(budget) = args.budget {
+        let this = CloseLoop { case, measured, lab: &lab, settings: &settings };
+        eprintln!("a pilot run tells what a run costs");
+        // Its cost is kept with it, so that a loop that goes on has the same number of runs.
+        let pilot = lab.run(&[this.pilot()?], |_| ()).remove(0)?;
+        let runs = SIMULATING * budget.as_secs_f64() * args.jobs as f64 / pilot.cost_s.max(1e-3);
+        settings.runs = Some(runs as usize);
+    }
+    let this = CloseLoop { case, measured, lab: &lab, settings: &settings };
+    let planned = this.planned()?;
+    eprintln!("at most {planned} runs, {} at a time; kept in {}", args.jobs, cache.display());
+    let bar = ProgressBar::new(planned as u64);
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {msg}, {eta} left")?);
+    let hidden = bar.is_hidden();
+    let outcome = this.run(&mut |told| {
+        bar.set_position(told.runs as u64);
+        bar.set_message(format!("{} {} of {}", stage(told.stage), told.done, told.of));
+        if hidden && told.done == told.of && told.of > 0 {
+            eprintln!("{}: {} runs done, {} in all", stage(told.stage), told.of, told.runs);
+        }
+    });
+    bar.finish_and_clear();
+    Ok(outcome?)
+}
+
+fn by_table(args: &CloseLoopArgs, text: &CaseText) -> anyhow::Result<Outcome> {
+    let loaded = input::load(&text.asked, rig_schema::ErrataLevel::Certain)?;
+    let study = calib::Study::new(&loaded.case, &loaded.measured, loaded.simulated)?;
+    let mut settings = LoopSettings { seed: args.seed, ..LoopSettings::default() }.attribution;
+    settings.bootstrap = args.bootstrap;
+    settings.seed = args.seed;
+    Ok(close_loop::close_with_table(&loaded.case, &study, &settings)?)
+}
+
+fn stage(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Base => "calibrating over the whole range",
+        Stage::Zoom => "calibrating about the best point",
+        Stage::Replicates => "filling the calibrated drum anew",
+        Stage::Full => "the full rig beside its stand-in",
+        Stage::Probes => "trying every effect",
+        Stage::Filming => "filming by other cameras",
+        Stage::Refine => "about the promising effects",
+        Stage::Confirm => "fresh runs",
+    }
+}
+
+fn printed(outcome: &Outcome, wall_s: f64, report: String) -> Printed<'_> {
+    let gate = &outcome.finding.gate;
+    let interval = |s: &close_loop::StrengthOf| Interval { value: s.value, lo: s.lo, hi: s.hi };
+    Printed {
+        verdict: outcome.verdict,
+        members: &outcome.members,
+        strength: outcome.strengths.iter().map(|s| (s.name.as_str(), interval(s))).collect(),
+        gate: Gate { chi2: gate.chi2, dof: gate.dof, p: gate.p_combined },
+        before: Side::of(&outcome.before.errors),
+        after: Side::of(&outcome.after.errors),
+        runs: outcome.runs,
+        wall_s,
+        report,
+        sentence: &outcome.sentence,
+        confirmed: outcome.confirmed,
+        removed: outcome.removed,
+        detail: outcome,
+    }
+}
+
+fn print(outcome: &Outcome, printed: &Printed<'_>) {
+    println!("{}", outcome.sentence);
+    for (path, value, sd) in &outcome.calibrated {
+        let sd = sd.map_or_else(String::new, |s| format!(" ± {s:.3}"));
+        println!("  calibrated {path} = {value:.3}{sd}");
+    }
+    println!("{:>12} {:>14} {:>10} {:>10} {:>12}", "", "response", "before", "after", "noise alone");
+    let sets = [
+        ("fitted", &outcome.before.errors.fitted, &outcome.after.errors.fitted),
+        ("held out", &outcome.before.errors.held_out, &outcome.after.errors.held_out),
+    ];
+    for (name, before, after) in sets {
+        for (b, a) in before.iter().zip(after) {
+            println!(
+                "{name:>12} {:>14} {:>10.2} {:>10.2} {:>12.2}",
+                b.response, b.rmse, a.rmse, b.floor
+            );
+        }
+    }
+    if let Some(removed) = outcome.removed {
+        println!("{:.0} % of the error above the noise goes away", 100.0 * removed);
+    }
+    println!("{} runs, {:.0} s; report: {}", printed.runs, printed.wall_s, printed.report);
+}
+
+/// Whether an error is the input's fault.
+pub(crate) fn is_input_fault(e: &CloseLoopError) -> bool {
+    !matches!(e, CloseLoopError::Stopped)
+}

@@ -1,0 +1,341 @@
+//! The report of a closed loop.
+
+use calib_report::page::{
+    Block, Column, Figure, InputFile, Page, Provenance, Row, Section, Table, Tone, Verdict,
+};
+use calib_report::pictures::{ChartAxis, ChartPoint, ChartSeries, LineChart, SeriesStyle};
+use close_loop::{Errors, Outcome, Side};
+use rig_schema::{Case, Response};
+
+use crate::cli::CloseLoopArgs;
+
+/// What a report is made of.
+pub(crate) struct Closed<'a> {
+    pub(crate) outcome: &'a Outcome,
+    pub(crate) case: &'a Case,
+    pub(crate) inputs: Vec<InputFile>,
+    pub(crate) args: &'a CloseLoopArgs,
+}
+
+/// Make the report.
+pub(crate) fn page(c: &Closed<'_>) -> Page {
+    let o = c.outcome;
+    let tone = match o.verdict {
+        "none" | "effect" => Tone::Good,
+        "class" => Tone::Caution,
+        _ => Tone::Bad,
+    };
+    Page {
+        title: format!("What {} lacks", c.case.rig.name),
+        subtitle: c.case.rig.title.clone(),
+        verdict: Some(Verdict { sentence: o.sentence.clone(), tone }),
+        sections: vec![
+            errors(o),
+            curves(o),
+            candidates(o),
+            apart(o),
+            detectable(o),
+            stability(o),
+            assumed(o),
+        ],
+        provenance: Some(Provenance {
+            inputs: c.inputs.clone(),
+            seed: Some(c.args.seed),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: format!(
+                "tumble close-loop {}--seed {}{}",
+                c.args.case.as_ref().map_or_else(String::new, |c| format!("{c} ")),
+                c.args.seed,
+                c.args.runs.map_or_else(String::new, |r| format!(" --runs {r}")),
+            ),
+            settings: vec![
+                ("runs".to_owned(), o.runs.to_string()),
+                ("processor time of the runs".to_owned(), format!("{:.0} s", o.cost_s)),
+                ("speeds simulated, rpm".to_owned(), list(&o.speeds_rpm)),
+            ],
+        }),
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// A number with as many digits as it deserves.
+fn short(v: f64) -> String {
+    match v.abs() {
+        a if a >= 1000.0 => format!("{v:.0}"),
+        a if a >= 10.0 => format!("{v:.1}"),
+        a if a >= 0.01 || a == 0.0 => format!("{v:.3}"),
+        _ => format!("{v:.2e}"),
+    }
+}
+
+fn unit(response: &str) -> &'static str {
+    if response.ends_with("deg") { "deg" } else { "% R" }
+}
+
+fn model(side: &Side) -> String {
+    side.at.iter().map(|(p, v)| format!("{p} = {}", short(*v))).collect::<Vec<_>>().join(", ")
+}
+
+fn errors(o: &Outcome) -> Section {
+    let mut section = Section::new("Error before and after");
+    let how = if o.runs == 0 {
+        "Both models are those of the table of simulated responses."
+    } else {
+        "Both models are shown by fresh simulations at the fitted values, with fillings that no fit has seen."
+    };
+    section.blocks.push(Block::Paragraph(format!(
+        "Before: {}. After: {}. {how} The noise column is the root mean square error that a true model would leave: measurement, filling and the fresh runs themselves.",
+        model(&o.before),
+        if o.after.effect.is_some() { model(&o.after) } else { "the same, since nothing was named".to_owned() },
+    )));
+    let mut rows = Vec::new();
+    let mut add = |set: &str, before: &Errors, after: &Errors, held: bool| {
+        let pick = |e: &Errors| if held { e.held_out.clone() } else { e.fitted.clone() };
+        for (b, a) in pick(before).iter().zip(&pick(after)) {
+            rows.push(Row::new(vec![
+                set.to_owned(),
+                b.response.to_owned(),
+                unit(b.response).to_owned(),
+                b.points.to_string(),
+                short(b.rmse),
+                short(a.rmse),
+                short(b.floor),
+                short(b.rmse_sd),
+                short(a.rmse_sd),
+            ]));
+        }
+    };
+    add("fitted", &o.before.errors, &o.after.errors, false);
+    add("held out", &o.before.errors, &o.after.errors, true);
+    section.blocks.push(Block::Table(Table {
+        caption: "Root mean square error".to_owned(),
+        columns: vec![
+            Column::text("speeds"),
+            Column::text("response"),
+            Column::text("unit"),
+            Column::number("points", ""),
+            Column::number("before", ""),
+            Column::number("after", ""),
+            Column::number("noise alone", ""),
+            Column::number("before", "sd"),
+            Column::number("after", "sd"),
+        ],
+        rows,
+    }));
+    let chi = |name: &str, s: &Side| {
+        format!(
+            "{name}: chi-square {} with {} degrees of freedom at the fitted speeds, p = {}",
+            short(s.errors.chi2),
+            s.errors.dof,
+            short(s.errors.p)
+        )
+    };
+    let mut facts = vec![chi("Before", &o.before)];
+    if o.after.effect.is_some() {
+        facts.push(chi("After", &o.after));
+        for other in &o.others {
+            facts.push(chi(&format!("With {} instead", model(other)), other));
+        }
+    }
+    if let Some(removed) = o.removed {
+        facts.push(format!("{:.0} % of the mean square error above the noise goes away.", 100.0 * removed));
+    }
+    if o.confirmed == Some(false) {
+        facts.push("The fresh runs contradict the fitted effect.".to_owned());
+    }
+    section.blocks.push(Block::List(facts));
+    section
+}
+
+fn curves(o: &Outcome) -> Section {
+    let named = o.after.effect.is_some();
+    let figures = Response::ALL.iter().filter_map(|r| {
+        let of: Vec<_> = o.points.iter().filter(|p| p.response == r.column()).collect();
+        if of.is_empty() {
+            return None;
+        }
+        let residual = |after: bool| -> Vec<ChartPoint> {
+            let mut points: Vec<ChartPoint> = of
+                .iter()
+                .map(|p| {
+                    let y = p.measured - if after { p.after } else { p.before };
+                    ChartPoint { x: p.omega_rpm, y, interval: Some((y - p.sd, y + p.sd)) }
+                })
+                .collect();
+            points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            points
+        };
+        let series = |name: &str, points| ChartSeries {
+            name: name.to_owned(),
+            style: SeriesStyle::LineAndPoints,
+            points,
+        };
+        let mut all = vec![series("before", residual(false))];
+        if named {
+            all.push(series("after", residual(true)));
+        }
+        let chart = LineChart {
+            title: r.column().to_owned(),
+            x: ChartAxis::new("speed, rpm"),
+            y: ChartAxis::new(format!("measured less model, {}", unit(r.column()))),
+            series: all,
+            horizontal_limits: vec![(0.0, String::new())],
+            vertical_limits: Vec::new(),
+        };
+        Some(Figure::new(&chart, "Bars: one standard deviation of the difference."))
+    });
+    Section::new("Residual over speed").with(Block::Figures(figures.collect()))
+}
+
+fn candidates(o: &Outcome) -> Section {
+    let gate = &o.finding.gate;
+    let text = format!(
+        "The calibrated model alone: chi-square {} with {} degrees of freedom. Chance gives as much with p = {} (bootstrap), the best single improvement with p = {}, either of them with p = {}{}.",
+        short(gate.chi2),
+        gate.dof,
+        short(gate.p_bootstrap),
+        short(gate.p_focused),
+        short(gate.p_combined),
+        gate.lag1.map_or_else(String::new, |l| format!("; lag-1 correlation of the residuals over speed {l:.2}")),
+    );
+    let rows = o
+        .finding
+        .ranked
+        .iter()
+        .map(|r| {
+            let end = |e: Option<f64>| e.map_or_else(|| "open".to_owned(), short);
+            Row {
+                cells: vec![
+                    r.name.clone(),
+                    format!("{:?}", r.layer).to_lowercase(),
+                    short(r.strength.value),
+                    format!("{} to {}", end(r.strength.lo), end(r.strength.hi)),
+                    short(r.improvement),
+                    short(r.p_family),
+                    short(r.p_absolute),
+                    short(r.evidence),
+                    r.objections.join("; "),
+                ],
+                flagged: false,
+                strong: o.members.contains(&r.name),
+            }
+        })
+        .collect();
+    let mut section = Section::new("Effects of the catalogue").with(Block::Paragraph(text));
+    section.blocks.push(Block::Table(Table {
+        caption: "Each effect fitted together with the free parameters".to_owned(),
+        columns: vec![
+            Column::text("effect"),
+            Column::text("layer"),
+            Column::number("strength", ""),
+            Column::text("95 %"),
+            Column::number("chi-square gained", ""),
+            Column::number("p of the gain", "family"),
+            Column::number("p of the fit", ""),
+            Column::number("posterior", ""),
+            Column::text("objections"),
+        ],
+        rows,
+    }));
+    if !o.left_out.is_empty() {
+        let all = o.left_out.iter().map(|(p, why)| format!("{p}: {why}")).collect();
+        section.blocks.push(Block::Folded("Effects that were not tried".to_owned(), vec![Block::List(all)]));
+    }
+    if !o.finding.pairs.is_empty() {
+        let rows = o.finding.pairs.iter().take(8).map(|p| {
+            Row::new(vec![p.names.join(" + "), short(p.fit.chi2), short(p.fit.p)])
+        });
+        section.blocks.push(Block::Table(Table {
+            caption: "Pairs".to_owned(),
+            columns: vec![Column::text("pair"), Column::number("chi-square", ""), Column::number("p", "")],
+            rows: rows.collect(),
+        }));
+    }
+    section
+}
+
+fn apart(o: &Outcome) -> Section {
+    let mut section = Section::new("What would tell them apart");
+    if o.members.is_empty() {
+        return section;
+    }
+    let each = o.finding.ranked.iter().filter(|r| o.members.contains(&r.name));
+    section.blocks.push(Block::List(
+        each.map(|r| format!("{} ({}): {}.", r.name, r.meaning, r.exposed_by)).collect(),
+    ));
+    section
+}
+
+fn detectable(o: &Outcome) -> Section {
+    let mut section = Section::new("What would have been seen");
+    let rows: Vec<Row> = o
+        .finding
+        .detectable
+        .iter()
+        .map(|d| {
+            Row::new(vec![
+                d.name.clone(),
+                short(d.towards),
+                d.strength.map_or_else(|| "not within its range".to_owned(), short),
+                format!("{:.0} %", 100.0 * d.power_at_end),
+            ])
+        })
+        .collect();
+    if !rows.is_empty() {
+        section.blocks.push(Block::Table(Table {
+            caption: "Smallest strength that these data would show nine times in ten".to_owned(),
+            columns: vec![
+                Column::text("effect"),
+                Column::number("towards", ""),
+                Column::number("strength", ""),
+                Column::number("power at the end of the range", ""),
+            ],
+            rows,
+        }));
+    }
+    section
+}
+
+fn stability(o: &Outcome) -> Section {
+    let mut section = Section::new("Stability");
+    let rows: Vec<Row> = o
+        .finding
+        .stability
+        .iter()
+        .map(|s| {
+            let verdict = match &s.verdict {
+                Ok(v) => format!("{v:?}"),
+                Err(e) => e.clone(),
+            };
+            Row::new(vec![s.change.clone(), verdict])
+        })
+        .collect();
+    if !rows.is_empty() {
+        section.blocks.push(Block::Table(Table {
+            caption: "The verdict under changes of the data".to_owned(),
+            columns: vec![Column::text("change"), Column::text("verdict")],
+            rows,
+        }));
+    }
+    if let Some(over) = &o.finding.overturn {
+        let sd = |v: Option<f64>| v.map_or_else(|| "more than 30".to_owned(), short);
+        section.blocks.push(Block::Paragraph(format!(
+            "Another scatter of the set-up would overturn the finding that something is missing: {} (independent from point to point) or {} (shared by all speeds), deg and % R.",
+            sd(over.independent),
+            sd(over.shared)
+        )));
+    }
+    section
+}
+
+fn assumed(o: &Outcome) -> Section {
+    let mut section = Section::new("What was assumed").with(Block::List(o.assumed.clone()));
+    if !o.failed.is_empty() {
+        let all = o.failed.iter().map(|(what, why)| format!("{what}: {why}")).collect();
+        section.blocks.push(Block::Folded("Runs that failed".to_owned(), vec![Block::List(all)]));
+    }
+    section
+}
