@@ -11,6 +11,7 @@ mod error;
 mod laboratory;
 mod observatory;
 pub mod plan;
+pub mod vtk;
 
 pub use error::CampaignError;
 pub use laboratory::{Done, Footage, Laboratory, Run, Sampling, SpeedRow};

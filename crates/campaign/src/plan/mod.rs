@@ -21,7 +21,7 @@ mod campaign;
 mod checkpoint;
 mod collect;
 mod design;
-mod file;
+pub(crate) mod file;
 mod lock;
 mod manifest;
 mod result;

@@ -3,3 +3,4 @@
 mod faults;
 mod killed;
 mod small;
+mod vtk;
