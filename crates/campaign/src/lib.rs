@@ -8,6 +8,7 @@
 pub use {drum_film, drum_rig, drum_vision, rig_schema};
 
 mod error;
+pub mod export;
 mod laboratory;
 mod observatory;
 pub mod plan;
