@@ -50,6 +50,9 @@ struct Failed<'a> {
 struct Outlook {
     runs: usize,
     particle_steps: f64,
+    /// Frames to film and measure.
+    frames: u64,
+    /// Of the simulations alone.
     expected_s: f64,
 }
 
@@ -170,20 +173,22 @@ fn told(campaign: &Campaign, collected: &Collected) -> anyhow::Result<()> {
 }
 
 fn dry_run(manifest: &Manifest, args: &RunArgs) -> anyhow::Result<()> {
-    let mut particle_steps = 0.0;
+    let (mut particle_steps, mut frames) = (0.0, 0);
     for row in manifest.rows() {
         let o = manifest.outline(row)?;
         particle_steps += (o.particles * o.spheres_per_particle) as f64 * o.least_steps as f64;
+        frames += row.speeds_rpm.len() as u64 * u64::from(manifest.rig(row)?.run.frames);
     }
     let runs = manifest.rows().len();
     let workers = args.jobs.clamp(1, runs.max(1));
     let expected_s = particle_steps * COST_S / workers as f64;
     if args.json {
-        let outlook = Outlook { runs, particle_steps, expected_s };
+        let outlook = Outlook { runs, particle_steps, frames, expected_s };
         println!("{}", serde_json::to_string_pretty(&outlook)?);
     } else {
         println!(
-            "{runs} runs, at least {particle_steps:.2e} particle-steps, about {} with {workers} workers",
+            "{runs} runs, at least {particle_steps:.2e} particle-steps, about {} with {workers} workers; \
+             then {frames} frames to film and measure",
             HumanDuration(Duration::from_secs_f64(expected_s))
         );
     }

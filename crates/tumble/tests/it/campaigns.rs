@@ -76,6 +76,7 @@ fn a_campaign_runs_to_its_table_and_a_second_call_does_nothing() {
     let outlook = fine(folder.path(), &["run", "plan.toml", "--dry-run", "--json"]);
     let outlook: Value = serde_json::from_str(&outlook).expect("JSON");
     assert_eq!(outlook["runs"], 3);
+    assert_eq!(outlook["frames"], 12);
     assert!(!folder.path().join("tumble-out").exists(), "a dry run writes nothing");
     let args = ["run", "plan.toml", "--width", "480", "--jobs", "2", "--json"];
     let done: Value = serde_json::from_str(&fine(folder.path(), &args)).expect("JSON");
