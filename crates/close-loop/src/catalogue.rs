@@ -294,15 +294,15 @@ fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
             Needs::Nothing,
             "a drum of another length",
         ),
+        physics("fill.scale", [0.88, 1.12], (0.6, 1.4), &[], Needs::Nothing, "weighing the bed"),
         physics(
-            "fill.scale",
-            [0.88, 1.12],
-            (0.6, 1.4),
+            "size.scale",
+            [0.85, 1.15],
+            (0.7, 1.4),
             &[],
             Needs::Nothing,
-            "weighing the bed",
+            "a sieve or a caliper",
         ),
-        physics("size.scale", [0.85, 1.15], (0.7, 1.4), &[], Needs::Nothing, "a sieve or a caliper"),
         physics("size.spread", [0.12, 0.25], (0.0, 0.4), &[], Needs::Nothing, "a sieve"),
         physics(
             "shape.aspect_ratio",
@@ -374,20 +374,20 @@ fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
             (-10.0, 10.0),
             "a plumb line in the picture, or turning the drum the other way round",
         ),
-        camera("camera.pitch_deg", [-3.0, 3.0], (-4.0, 4.0), "the ellipse of the ring, which shows more than 4 degrees"),
-        camera("camera.yaw_deg", [-3.0, 3.0], (-4.0, 4.0), "the ellipse of the ring, which shows more than 4 degrees"),
-        reading(
-            "measure.offset_x_pct",
-            2.0,
-            (-8.0, 8.0),
-            "the circle drawn over the picture",
+        camera(
+            "camera.pitch_deg",
+            [-3.0, 3.0],
+            (-4.0, 4.0),
+            "the ellipse of the ring, which shows more than 4 degrees",
         ),
-        reading(
-            "measure.offset_y_pct",
-            2.0,
-            (-8.0, 8.0),
-            "the circle drawn over the picture",
+        camera(
+            "camera.yaw_deg",
+            [-3.0, 3.0],
+            (-4.0, 4.0),
+            "the ellipse of the ring, which shows more than 4 degrees",
         ),
+        reading("measure.offset_x_pct", 2.0, (-8.0, 8.0), "the circle drawn over the picture"),
+        reading("measure.offset_y_pct", 2.0, (-8.0, 8.0), "the circle drawn over the picture"),
         reading("measure.bias_lin_deg", 2.0, (-8.0, 8.0), "the line drawn over the picture"),
         reading("measure.bias_mid_deg", 2.0, (-8.0, 8.0), "the line drawn over the picture"),
         Draft {
@@ -431,7 +431,11 @@ g = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e6 }}
         let open = Catalogue::of(&rig("periodic"), &[]);
         assert!(names(&closed).contains(&"axis.inclination_deg"));
         assert!(!names(&open).contains(&"axis.inclination_deg"));
-        assert!(open.left_out.iter().any(|(p, why)| p == "friction.end_plate" && why.contains("periodic")));
+        assert!(
+            open.left_out
+                .iter()
+                .any(|(p, why)| p == "friction.end_plate" && why.contains("periodic"))
+        );
     }
 
     #[test]

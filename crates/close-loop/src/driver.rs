@@ -129,13 +129,9 @@ impl CloseLoop<'_> {
         Ok(self.stages(watch)?.1)
     }
 
-    fn stages(
-        &self,
-        watch: &mut dyn FnMut(&Told),
-    ) -> Result<(State<'_>, Finding), CloseLoopError> {
+    fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
-        let effort =
-            Effort::of(self.settings.runs, setup.free.len(), simulated_effects(&setup))?;
+        let effort = Effort::of(self.settings.runs, setup.free.len(), simulated_effects(&setup))?;
         let seed = self.settings.seed;
         let mut state = State {
             setup,
@@ -500,8 +496,7 @@ impl State<'_> {
         let variance = (0..knots)
             .map(|i| {
                 std::array::from_fn(|r| {
-                    let spread: f64 =
-                        slopes.iter().map(|s| (s[i][r] - first[i][r]).powi(2)).sum();
+                    let spread: f64 = slopes.iter().map(|s| (s[i][r] - first[i][r]).powi(2)).sum();
                     // A film of the same motion is good to a hundredth of a degree.
                     1e-4 + if slopes.len() > 1 { spread / ((n - 1.0) * n) } else { 0.01 }
                 })
@@ -602,9 +597,10 @@ impl State<'_> {
     ) -> Result<(), CloseLoopError> {
         let effects = self.setup.catalogue.effects.clone();
         let best = first.ranked.iter().map(|r| r.improvement).fold(0.0, f64::max);
-        let promising = first.ranked.iter().filter(|r| {
-            r.improvement > best - 40.0 && r.improvement > 0.3 * best
-        });
+        let promising = first
+            .ranked
+            .iter()
+            .filter(|r| r.improvement > best - 40.0 && r.improvement > 0.3 * best);
         let mut rigs = Vec::new();
         let mut places = Vec::new();
         let mut listed = 0;
@@ -637,7 +633,8 @@ impl State<'_> {
             for (k, point) in points.into_iter().enumerate() {
                 let filling = self.runs.filling(Stage::Refine, k);
                 let Some((s, theta)) = point.split_last() else { continue };
-                let rig = rig_with(&self.setup.rig, &self.setup.axes, theta, (effect, *s), filling)?;
+                let rig =
+                    rig_with(&self.setup.rig, &self.setup.axes, theta, (effect, *s), filling)?;
                 rigs.push((format!("{} = {s:.4}", effect.path), rig));
                 places.push((effect.path.clone(), point));
             }

@@ -29,14 +29,17 @@ pub struct LoopSettings {
 
 impl Default for LoopSettings {
     fn default() -> Self {
-        let attribution = AttributionSettings { bootstrap: 499, stability_bootstrap: 99, ..AttributionSettings::default() };
+        let attribution = AttributionSettings {
+            bootstrap: 499,
+            stability_bootstrap: 99,
+            ..AttributionSettings::default()
+        };
         Self { runs: None, most_speeds: 6, seed: 1, attribution }
     }
 }
 
 /// How many runs each stage makes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[derive(serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Effort {
     /// Over the whole range of the free parameters.
     pub base: usize,
@@ -232,7 +235,10 @@ mod tests {
                         continue;
                     };
                     assert!(plan.total(effects) <= runs, "{plan:?}");
-                    assert!(plan.total(effects) + 2 * effects + 20 >= runs.min(300), "{runs} {plan:?}");
+                    assert!(
+                        plan.total(effects) + 2 * effects + 20 >= runs.min(300),
+                        "{runs} {plan:?}"
+                    );
                 }
             }
         }

@@ -103,9 +103,11 @@ pub fn close_with_table(
     let (effects, mut left_out) = (all.effects, all.left_out);
     let (reading, other): (Vec<Effect>, Vec<Effect>) =
         effects.into_iter().partition(|e| can_be_read(&e.path));
-    left_out.extend(other.iter().map(|e| {
-        (e.path.clone(), "the table of simulated responses does not vary it".to_owned())
-    }));
+    left_out.extend(
+        other.iter().map(|e| {
+            (e.path.clone(), "the table of simulated responses does not vary it".to_owned())
+        }),
+    );
     let models: Vec<Misread<'_>> = reading
         .iter()
         .map(|e| Misread { base: &study.surrogate, path: e.path.clone(), null: e.null })
@@ -183,11 +185,14 @@ pub fn close_with_table(
         .map(|((p, v), sd)| (p.clone(), *v, *sd))
         .collect();
     let assumed = std::iter::once(
-        "The simulator is a table of given responses; only effects of reading can be named.".to_owned(),
+        "The simulator is a table of given responses; only effects of reading can be named."
+            .to_owned(),
     )
-    .chain(case.nuisance.iter().map(|n| {
-        format!("{}: prior {} +- {} ({}).", n.path, n.mean, n.sd, n.reason)
-    }))
+    .chain(
+        case.nuisance
+            .iter()
+            .map(|n| format!("{}: prior {} +- {} ({}).", n.path, n.mean, n.sd, n.reason)),
+    )
     .collect();
     Ok(Outcome {
         case: study.name.clone(),
@@ -218,14 +223,22 @@ fn words(finding: &Finding, members: &[String]) -> (&'static str, String) {
     let gate = &finding.gate;
     let chi = format!("chi-square {:.0} with {} degrees of freedom", gate.chi2, gate.dof);
     match &finding.verdict {
-        Verdict::None => ("none", format!("No missing effect can be detected: {chi}, p = {:.2}.", gate.p_combined)),
-        Verdict::Effect(name) => ("effect", format!("The reading differs, not the physics: {name}.")),
+        Verdict::None => (
+            "none",
+            format!("No missing effect can be detected: {chi}, p = {:.2}.", gate.p_combined),
+        ),
+        Verdict::Effect(name) => {
+            ("effect", format!("The reading differs, not the physics: {name}."))
+        }
         Verdict::Class(_) | Verdict::Pairs(_) => {
             ("class", format!("Errors of reading explain the data: {}.", members.join(", ")))
         }
         Verdict::Unknown => (
             "unknown",
-            format!("The table lacks physics that it does not vary: {chi}, p = {:.1e}, and no error of reading brings it to the data.", gate.p_combined),
+            format!(
+                "The table lacks physics that it does not vary: {chi}, p = {:.1e}, and no error of reading brings it to the data.",
+                gate.p_combined
+            ),
         ),
     }
 }
@@ -266,9 +279,8 @@ impl Table<'_> {
         let fitted = problem.residuals_at(theta)?;
         let speeds = self.study.observations.speeds_rpm();
         let raw = model.predict(theta, &speeds)?.mean;
-        let unmoved = |omega: f64, r: Response| {
-            raw[4 * speeds.partition_point(|s| *s < omega) + r.index()]
-        };
+        let unmoved =
+            |omega: f64, r: Response| raw[4 * speeds.partition_point(|s| *s < omega) + r.index()];
         // What the fitted speeds say of the nuisances holds at the others too.
         let shift: Vec<f64> = Response::ALL
             .iter()

@@ -71,8 +71,7 @@ pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
 /// Where nature happens: a finer picture than any fit uses.
 pub(crate) fn nature_lab(folder: &Path, jobs: usize) -> anyhow::Result<Laboratory> {
     let resolution = Resolution { width_px: 640, ..Resolution::default() };
-    let sampling =
-        Sampling { resolution, frame_interval_s: Some(0.15), ..Sampling::default() };
+    let sampling = Sampling { resolution, frame_interval_s: Some(0.15), ..Sampling::default() };
     Ok(Laboratory::open(&folder.join("nature"), jobs, sampling)?)
 }
 

@@ -88,7 +88,9 @@ pub(crate) fn summarise(pairs: &[(Truth, Answer)]) -> Summary {
 }
 
 pub(crate) fn markdown(pairs: &[(Truth, Answer)], s: &Summary) -> String {
-    let mut text = String::from("| case | code | truth | strength | friction | answer | p | held-out sd before, after | removed | right |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    let mut text = String::from(
+        "| case | code | truth | strength | friction | answer | p | held-out sd before, after | removed | right |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    );
     for (t, a) in pairs {
         let strengths: Vec<String> = t.effects.iter().map(|(_, v)| format!("{v}")).collect();
         let frictions: Vec<String> = t.frictions.iter().map(|(_, v)| format!("{v}")).collect();
@@ -111,7 +113,14 @@ pub(crate) fn markdown(pairs: &[(Truth, Answer)], s: &Summary) -> String {
     let _ = writeln!(
         text,
         "\nSingle effects named: {} of {}. Drums that lack nothing: {} of {}. Removed effects called unknown: {} of {}. Pairs: {} of {}. Median share of the error above the noise removed at held-out speeds: {}.",
-        s.named.0, s.named.1, s.nulls.0, s.nulls.1, s.unknown.0, s.unknown.1, s.pairs.0, s.pairs.1,
+        s.named.0,
+        s.named.1,
+        s.nulls.0,
+        s.nulls.1,
+        s.unknown.0,
+        s.unknown.1,
+        s.pairs.0,
+        s.pairs.1,
         s.removed.map_or_else(|| "none".to_owned(), |r| format!("{:.0} %", 100.0 * r))
     );
     text

@@ -65,7 +65,9 @@ pub(crate) fn run(
 ) -> anyhow::Result<()> {
     let lab = Laboratory::open(&folder.join("fits"), jobs, fit_sampling())?;
     let mut names: Vec<String> = std::fs::read_dir(folder.join("cases"))
-        .with_context(|| format!("no cases in {}; `cargo xtask blind make` makes them", folder.display()))?
+        .with_context(|| {
+            format!("no cases in {}; `cargo xtask blind make` makes them", folder.display())
+        })?
         .filter_map(|e| Some(e.ok()?.file_name().to_string_lossy().into_owned()))
         .filter(|n| only.is_none_or(|o| n.contains(o)))
         .collect();
