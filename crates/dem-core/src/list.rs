@@ -44,8 +44,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         std::mem::swap(&mut state.pairs, &mut s.old_pairs);
         std::mem::swap(&mut state.wall_list, &mut s.old_walls);
         let old_place = sorted.then_some(&s.old_sphere_place[..]);
-        let want_ends = self.team.threads() > 1;
-        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place, want_ends);
+        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place);
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         state.list.reference.clone_from(&state.bodies.position);

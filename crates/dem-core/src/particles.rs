@@ -65,6 +65,8 @@ pub(crate) struct Record {
 }
 
 impl Record {
+    pub(crate) const ZERO: Self = Self { x: 0.0, y: 0.0, z: 0.0, w: 0.0 };
+
     #[inline(always)]
     pub(crate) fn new(v: DVec3, w: f64) -> Self {
         Self { x: v.x, y: v.y, z: v.z, w }

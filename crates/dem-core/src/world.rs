@@ -151,9 +151,9 @@ pub(crate) struct Scratch {
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
     pub(crate) body_yield: Vec<BodyYield>,
-    /// Force and torque on each sphere: from near pairs, and with one thread from everything.
-    pub(crate) sum_force: Vec<Record>,
-    pub(crate) sum_torque: Vec<Record>,
+    /// Ends of near pairs in action by pieces of spheres, and where those of a piece begin.
+    pub(crate) late_start: Vec<u32>,
+    pub(crate) late_ends: Vec<u32>,
     /// Nearest points of meshes, by entry of the wall list.
     pub(crate) mesh_nearest: Vec<Option<crate::geometry::Nearest>>,
 }
