@@ -9,7 +9,7 @@ use crate::geometry::Nearest;
 use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
-use crate::simd::{Level, PairKernel, Run};
+use crate::simd::{Level, PairKernel, Run, WallRun};
 use crate::threads::{Stage, Team, cut};
 use crate::world::{Make, Members, Scratch, Wrenches};
 
@@ -91,7 +91,8 @@ pub(crate) fn all_contacts<M: ContactLaw>(
             let begin = c * CHUNK;
             let end = begin + parts.0.len();
             let nearest = nearest.get(begin..end).unwrap_or_default();
-            wall_contacts(context, slots, &sphere[begin..end], &wall[begin..end], nearest, parts);
+            let (sphere, wall) = (&sphere[begin..end], &wall[begin..end]);
+            wall_contacts(context, vector, slots, sphere, wall, nearest, parts);
         },
     };
     team.run(&[&touching_stage, &near_stage, &wall_stage]);
@@ -198,6 +199,7 @@ fn place_on_meshes<M: ContactLaw>(
 
 fn wall_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
+    vector: Option<(Level, &PairKernel<'_>)>,
     slots: usize,
     sphere: &[u32],
     wall: &[u16],
@@ -206,6 +208,13 @@ fn wall_contacts<M: ContactLaw>(
 ) {
     let into = &mut into[0];
     into.reset();
+    if let (Some((level, kernel)), true) = (vector, mesh_nearest.is_empty()) {
+        let walls = context.walls;
+        let mut run =
+            WallRun { walls, sphere, wall, active, memory: numbers, force, torque, on_wall };
+        kernel.wall_contacts(level, &mut run, into);
+        return;
+    }
     let contact_only = context.gap_forces.is_empty();
     let mut memory = MemoryRun { slots, numbers };
     for k in 0..active.len() {

@@ -143,7 +143,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut s = std::mem::take(&mut self.scratch);
         let placed = std::mem::take(&mut s.placed);
-        let context = {
+        let mut context = {
             let make = &self.make;
             crate::forces::Contacts {
                 spheres: sphere_view(&self.state, clumps),
@@ -166,6 +166,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let vector = fast.map(|all| crate::simd::PairKernel {
             spheres: context.spheres,
             constants: only.map_or(all, |k| &all[k..=k]),
+            all,
+            one_material: self.make.one_material,
             materials: context.materials,
             one_size: self.make.one_size,
             period: context.period,
@@ -179,7 +181,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if ledger && vector.is_some() {
             let (mut pairs, mut walls) = (pairs.clone(), walls.clone());
             all_contacts(&context, None, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
-            s.pair_yield.iter().for_each(|y| booked.add(&y.flow));
+            let yields = s.pair_yield.iter().chain(&s.near_yield).chain(&s.wall_yield);
+            yields.for_each(|y| booked.add(&y.flow));
+            context.ledger = false;
         }
         all_contacts(&context, vector, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
         if let Some(first) = s.pair_yield.first_mut() {

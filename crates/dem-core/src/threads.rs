@@ -320,7 +320,7 @@ impl Crew {
 
     fn run(&self, stages: &[&dyn Work]) {
         let chunks: usize = stages.iter().map(|s| s.count()).sum();
-        if chunks < 2 || chunks > MOST || !self.is_mine() {
+        if !(2..=MOST).contains(&chunks) || !self.is_mine() {
             return run_alone(stages);
         }
         let s = &*self.shared;

@@ -137,7 +137,7 @@ pub(crate) struct Wrenches {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
     pub(crate) cells: CellList,
-    pub(crate) found: Vec<Found>,
+    pub(crate) found: Vec<Vec<Found>>,
     pub(crate) old_pairs: PairList,
     pub(crate) old_walls: WallList,
     pub(crate) records: Vec<Record>,

@@ -64,7 +64,7 @@ impl PairList {
         &mut self,
         spheres: usize,
         slots: usize,
-        found: &[Found],
+        found: &[Vec<Found>],
         old: &PairList,
         old_place: Option<&[u32]>,
     ) {
@@ -73,7 +73,7 @@ impl PairList {
             start.clear();
             start.resize(spheres + 1, 0);
         }
-        for f in found {
+        for f in found.iter().flatten() {
             let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
             start[f.first as usize] += 1;
         }
@@ -87,7 +87,7 @@ impl PairList {
         }
         // From the back, so that pairs keep the order in which they were found and the counters
         // end at the beginnings.
-        for f in found.iter().rev() {
+        for f in found.iter().rev().flat_map(|f| f.iter().rev()) {
             let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
             let place = &mut start[f.first as usize];
             *place -= 1;

@@ -33,6 +33,11 @@ pub(super) trait Lanes:
     /// # Safety
     /// Every place is below the length of `records`.
     unsafe fn gather(records: &[Record], places: &[u32; 8]) -> [Self; 4];
+    /// The records at eight places less those at eight others, one vector a field.
+    ///
+    /// # Safety
+    /// Every place is below the length of `records`.
+    unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4];
     /// Eight records from their fields.
     fn scatter(fields: [Self; 4], to: &mut [Record; 8]);
 }
