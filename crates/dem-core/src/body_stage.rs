@@ -12,7 +12,7 @@ use crate::integrate::Integrator;
 use crate::list::Turn;
 use crate::particles::Record;
 use crate::rigid::FreeRotation;
-use crate::simd::widened;
+use crate::simd::{Quad, RecordWork, on_records};
 use crate::threads::cut;
 use crate::world::{BodyYield, Make, Members, SPHERE, World};
 
@@ -66,6 +66,33 @@ struct Drift<'a> {
     dt: f64,
 }
 
+/// The halves of a step for one piece of bodies.
+struct Piece<'a, M, I> {
+    integrator: I,
+    kick: Option<&'a Kick<'a, M>>,
+    drift: Option<&'a Drift<'a>>,
+    run: Run<'a>,
+    sums: &'a mut Sums,
+}
+
+impl<M, I: Integrator> RecordWork for Piece<'_, M, I> {
+    /// Powers, and whether the list may miss a pair.
+    type Yield = (Flow, bool);
+
+    #[inline(always)]
+    fn run<Q: Quad>(mut self) -> (Flow, bool) {
+        let mut flow = Flow::default();
+        if let Some(kick) = self.kick {
+            kick.bodies::<Q, I>(&self.integrator, &mut self.run, self.sums, &mut flow);
+        }
+        let moved_far = match self.drift {
+            Some(drift) => drift.bodies::<Q, I>(&self.integrator, &mut self.run),
+            None => false,
+        };
+        (flow, moved_far)
+    }
+}
+
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Move all bodies; returns whether after a drift the list may miss a pair.
     pub(crate) fn move_bodies(&mut self, halves: Halves) -> bool {
@@ -117,9 +144,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 result.flow = Flow::default();
             }
             result.moved_far = false;
+            let mut sums = Sums::ZERO;
             for piece in (0..x.len()).step_by(PIECE) {
                 let range = piece..(piece + PIECE).min(x.len());
-                let mut run = Run {
+                let run = Run {
                     begin: c * CHUNK + piece,
                     position: &mut x[range.clone()],
                     velocity: &mut v[range.clone()],
@@ -132,18 +160,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     linear: &mut l[range.clone()],
                     turn: &mut t[range],
                 };
-                widened(
-                    level,
-                    #[inline(always)]
-                    || {
-                        if kicks {
-                            kick.bodies(&integrator, &mut run, &mut result.flow);
-                        }
-                        if drifts {
-                            result.moved_far |= drift.bodies(&integrator, &mut run);
-                        }
-                    },
-                );
+                let kick = kicks.then_some(&kick);
+                let drift = drifts.then_some(&drift);
+                let piece = Piece { integrator, kick, drift, run, sums: &mut sums };
+                let (flow, moved_far) = on_records(level, piece);
+                result.flow.add(&flow);
+                result.moved_far |= moved_far;
             }
         });
         drifts && self.scratch.body_yield.iter().any(|y| y.moved_far)
@@ -184,51 +206,63 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
 impl<M> Kick<'_, M> {
     /// Collect forces and bring the velocities to the end of the step.
+    ///
+    /// Four numbers at once; the fourth, a scalar that stays, is put back at the end.
     #[inline(always)]
-    fn bodies<I: Integrator>(&self, integrator: &I, run: &mut Run<'_>, flow: &mut Flow) {
-        let mut sums = Sums::ZERO;
+    fn bodies<Q: Quad, I: Integrator>(
+        &self,
+        integrator: &I,
+        run: &mut Run<'_>,
+        sums: &mut Sums,
+        flow: &mut Flow,
+    ) {
         let (begin, end) = (run.begin, run.begin + run.position.len());
         if self.make.shapes.is_empty() {
-            self.collect.spheres(begin, end, &mut sums);
+            self.collect.spheres(begin, end, sums);
         } else {
-            self.collect.bodies(self.members, begin, end, &mut sums);
+            self.collect.bodies(self.members, begin, end, sums);
         }
         let dt = self.dt;
-        let sums = sums.force.iter().zip(&sums.torque);
-        for (k, (force, torque)) in sums.enumerate().take(run.position.len()) {
-            let (mut force, torque) = (force.vector(), torque.vector());
+        let gravity = Q::load(&Record::new(self.gravity, 0.0));
+        let run = run.even();
+        for (k, (force, torque)) in
+            sums.force.iter_mut().zip(&sums.torque).enumerate().take(end - begin)
+        {
             let mass = run.velocity[k].w;
             if let Some(drag) = &self.make.drag {
                 let v = run.end_velocity[k].vector();
                 let resistance = drag.force(mass, run.position[k].w, v);
-                force += resistance;
+                force.add(resistance);
                 flow.drag -= resistance.dot(v);
             }
             if self.ledger {
                 flow.gravity_turn -= mass * self.gravity_rate.dot(run.position[k].vector());
             }
-            let new = force * (1.0 / mass) + self.gravity;
-            let old = run.acceleration[k].vector();
-            run.acceleration[k].set(new);
+            let new = Q::load(force) * (1.0 / mass) + gravity;
+            let old = Q::load(&run.acceleration[k]);
+            new.with_scalar_of(old).store(&mut run.acceleration[k]);
             let moment = run.spin[k].w;
-            let old_turn = run.angular[k].vector();
-            let new_turn = if moment > 0.0 { torque * (1.0 / moment) } else { torque };
-            run.angular[k].set(new_turn);
+            let old_turn = Q::load(&run.angular[k]);
+            let inverse = if moment > 0.0 { 1.0 / moment } else { 1.0 };
+            let new_turn = Q::load(torque) * inverse;
+            new_turn.with_scalar_of(old_turn).store(&mut run.angular[k]);
             if dt == 0.0 {
                 continue;
             }
-            let mut memory = recall::<I>(&run.linear[k]);
-            let v = integrator.kick(run.velocity[k].vector(), old, new, &mut memory, dt);
-            run.velocity[k].set(v);
-            remember::<I>(&mut run.linear[k], memory);
+            let mut memory = recall::<Q, I>(&run.linear[k]);
+            let velocity = Q::load(&run.velocity[k]);
+            let v = integrator.kick(velocity, old, new, &mut memory, dt);
+            v.with_scalar_of(velocity).store(&mut run.velocity[k]);
+            remember::<Q, I>(&mut run.linear[k], memory);
             if moment > 0.0 {
-                let mut memory = recall::<I>(&run.turn[k]);
-                let w = run.spin[k].vector();
-                run.spin[k].set(integrator.kick(w, old_turn, new_turn, &mut memory, dt));
-                remember::<I>(&mut run.turn[k], memory);
+                let mut memory = recall::<Q, I>(&run.turn[k]);
+                let spin = Q::load(&run.spin[k]);
+                let w = integrator.kick(spin, old_turn, new_turn, &mut memory, dt);
+                w.with_scalar_of(spin).store(&mut run.spin[k]);
+                remember::<Q, I>(&mut run.turn[k], memory);
             } else {
                 let m = self.members;
-                let momentum = run.turn[k].vector() + torque * (0.5 * dt);
+                let momentum = run.turn[k].vector() + torque.vector() * (0.5 * dt);
                 run.turn[k].set(momentum);
                 let moments = self.make.shapes[m.shape[begin + k] as usize].moments;
                 run.spin[k].set(spin_of(momentum, m.attitude[begin + k], moments));
@@ -240,45 +274,73 @@ impl<M> Kick<'_, M> {
 impl Drift<'_> {
     /// Move on to the next step; returns whether the list may miss a pair there.
     #[inline(always)]
-    fn bodies<I: Integrator>(&self, integrator: &I, run: &mut Run<'_>) -> bool {
+    fn bodies<Q: Quad, I: Integrator>(&self, integrator: &I, run: &mut Run<'_>) -> bool {
         let dt = self.dt;
         let mut moved_far = false;
+        let [x, y, z, shift] = &self.frame.columns();
+        let (x, y, z, shift) = (Q::load(x), Q::load(y), Q::load(z), Q::load(shift));
         let reference = &self.reference[run.begin..run.begin + run.position.len()];
-        for (k, reference) in reference.iter().enumerate() {
-            let mut memory = recall::<I>(&run.linear[k]);
-            let (v, a) = (run.velocity[k].vector(), run.acceleration[k].vector());
+        let run = run.even();
+        for (k, r) in reference.iter().enumerate().take(run.position.len()) {
+            let mut memory = recall::<Q, I>(&run.linear[k]);
+            let (v, a) = (Q::load(&run.velocity[k]), Q::load(&run.acceleration[k]));
             let d = integrator.drift(v, a, &mut memory, dt);
-            remember::<I>(&mut run.linear[k], memory);
-            run.position[k].add(d.mean_velocity * dt);
-            run.mean_velocity[k].set(d.mean_velocity);
-            run.end_velocity[k].set(d.end_velocity);
+            remember::<Q, I>(&mut run.linear[k], memory);
+            let position = Q::load(&run.position[k]);
+            let position = (position + d.mean_velocity * dt).with_scalar_of(position);
+            position.store(&mut run.position[k]);
+            let old = Q::load(&run.mean_velocity[k]);
+            d.mean_velocity.with_scalar_of(old).store(&mut run.mean_velocity[k]);
+            let old = Q::load(&run.end_velocity[k]);
+            d.end_velocity.with_scalar_of(old).store(&mut run.end_velocity[k]);
             // A clump has no single moment of inertia: it turns elsewhere.
             if run.spin[k].w > 0.0 {
-                let mut memory = recall::<I>(&run.turn[k]);
-                let (w, a) = (run.spin[k].vector(), run.angular[k].vector());
+                let mut memory = recall::<Q, I>(&run.turn[k]);
+                let (w, a) = (Q::load(&run.spin[k]), Q::load(&run.angular[k]));
                 let d = integrator.drift(w, a, &mut memory, dt);
-                remember::<I>(&mut run.turn[k], memory);
-                run.mean_spin[k].set(d.mean_velocity);
+                remember::<Q, I>(&mut run.turn[k], memory);
+                let old = Q::load(&run.mean_spin[k]);
+                d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
             }
-            let moved = run.position[k].vector() - self.frame.image(reference.vector());
-            let moved = moved.length_squared();
+            let moved = (position - (x * r.x + y * r.y + z * r.z + shift)).length_squared();
             moved_far |= moved > self.limit || moved.is_nan();
         }
         moved_far
     }
 }
 
+impl Run<'_> {
+    /// The same run, its slices cut to one length that the compiler knows to be one.
+    #[inline(always)]
+    fn even(&mut self) -> Run<'_> {
+        let n = self.position.len();
+        Run {
+            begin: self.begin,
+            position: &mut self.position[..n],
+            velocity: &mut self.velocity[..n],
+            spin: &mut self.spin[..n],
+            acceleration: &mut self.acceleration[..n],
+            angular: &mut self.angular[..n],
+            mean_velocity: &mut self.mean_velocity[..n],
+            end_velocity: &mut self.end_velocity[..n],
+            mean_spin: &mut self.mean_spin[..n],
+            linear: &mut self.linear[..n],
+            turn: &mut self.turn[..n],
+        }
+    }
+}
+
 /// What the integrator remembers, if it does.
 #[inline(always)]
-fn recall<I: Integrator>(record: &Record) -> DVec3 {
-    if I::REMEMBERS { record.vector() } else { DVec3::ZERO }
+fn recall<Q: Quad, I: Integrator>(record: &Record) -> Q {
+    Q::load(if I::REMEMBERS { record } else { &Record::ZERO })
 }
 
 /// Keep what the integrator remembers, if it does.
 #[inline(always)]
-fn remember<I: Integrator>(record: &mut Record, memory: DVec3) {
+fn remember<Q: Quad, I: Integrator>(record: &mut Record, memory: Q) {
     if I::REMEMBERS {
-        record.set(memory);
+        memory.with_scalar_of(Q::load(record)).store(record);
     }
 }
 

@@ -290,6 +290,11 @@ pub(crate) struct Sums {
 impl Sums {
     pub(crate) const ZERO: Self =
         Self { force: [Record::ZERO; PIECE], torque: [Record::ZERO; PIECE] };
+
+    fn clear(&mut self, count: usize) {
+        self.force[..count].fill(Record::ZERO);
+        self.torque[..count].fill(Record::ZERO);
+    }
 }
 
 impl Collect<'_> {
@@ -300,7 +305,7 @@ impl Collect<'_> {
     /// and have no branch.
     #[inline(always)]
     pub(crate) fn spheres(&self, begin: usize, end: usize, sums: &mut Sums) {
-        *sums = Sums::ZERO;
+        sums.clear(end - begin);
         if begin == end {
             return;
         }
@@ -347,7 +352,7 @@ impl Collect<'_> {
     /// Forces and torques about their centres on the bodies of several spheres from `begin` to
     /// `end`, at most a piece.
     pub(crate) fn bodies(&self, m: &Members, begin: usize, end: usize, sums: &mut Sums) {
-        *sums = Sums::ZERO;
+        sums.clear(end - begin);
         let mut own = Sums::ZERO;
         let (mut next, last) = (m.first[begin] as usize, m.first[end] as usize);
         while next < last {

@@ -397,6 +397,12 @@ impl Turn {
         self.rotation * p + self.translation
     }
 
+    /// Columns of the rotation and the translation, as records.
+    pub(crate) fn columns(&self) -> [Record; 4] {
+        let r = &self.rotation;
+        [r.x_axis, r.y_axis, r.z_axis, self.translation].map(|v| Record::new(v, 0.0))
+    }
+
     pub(crate) fn pose(&self) -> crate::geometry::Pose {
         crate::geometry::Pose {
             rotation: glam::DQuat::from_mat3(&self.rotation),

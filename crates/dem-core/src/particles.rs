@@ -104,6 +104,32 @@ impl Record {
     }
 }
 
+impl std::ops::Add for Record {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        self.plus(&o)
+    }
+}
+
+impl std::ops::Sub for Record {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        self.minus(&o)
+    }
+}
+
+impl std::ops::Mul<f64> for Record {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: f64) -> Self {
+        Self { x: self.x * s, y: self.y * s, z: self.z * s, w: self.w * s }
+    }
+}
+
+impl crate::integrate::Vector for Record {}
+
 /// State of all bodies in storage order.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -4,7 +4,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Quad};
 use crate::particles::Record;
 
 /// Eight lanes of one AVX-512 register.
@@ -322,6 +322,61 @@ impl Lanes for Pair {
             for (k, v) in transpose(x.1, y.1, z.1, w.1).into_iter().enumerate() {
                 _mm256_store_pd(out.add(4 * (k + 4)), v);
             }
+        }
+    }
+}
+
+/// One record in a register.
+#[derive(Clone, Copy)]
+pub(super) struct Four(__m256d);
+
+macro_rules! four {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl $trait for Four {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                // SAFETY: values of this type exist only where AVX2 was detected.
+                Self(unsafe { $op(self.0, o.0) })
+            }
+        }
+    };
+}
+four!(Add, add, _mm256_add_pd);
+four!(Sub, sub, _mm256_sub_pd);
+
+impl Mul<f64> for Four {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: f64) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_mul_pd(self.0, _mm256_set1_pd(s)) })
+    }
+}
+
+impl crate::integrate::Vector for Four {}
+
+// SAFETY of all blocks below: as above; records lie at multiples of 32.
+impl Quad for Four {
+    #[inline(always)]
+    fn load(from: &Record) -> Self {
+        Self(unsafe { _mm256_load_pd(std::ptr::from_ref(from).cast()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut Record) {
+        unsafe { _mm256_store_pd(std::ptr::from_mut(to).cast(), self.0) }
+    }
+    #[inline(always)]
+    fn with_scalar_of(self, o: Self) -> Self {
+        Self(unsafe { _mm256_blend_pd::<0b1000>(self.0, o.0) })
+    }
+    #[inline(always)]
+    fn length_squared(self) -> f64 {
+        unsafe {
+            let square = _mm256_mul_pd(self.0, self.0);
+            let (xy, z) = (_mm256_castpd256_pd128(square), _mm256_extractf128_pd::<1>(square));
+            let sum = _mm_add_sd(xy, _mm_unpackhi_pd(xy, xy));
+            _mm_cvtsd_f64(_mm_add_sd(sum, z))
         }
     }
 }

@@ -116,3 +116,32 @@ impl<V: Lanes> Neg for V3<V> {
         Self { x: -self.x, y: -self.y, z: -self.z }
     }
 }
+
+/// One record as four numbers side by side.
+pub(crate) trait Quad: crate::integrate::Vector {
+    fn load(from: &Record) -> Self;
+    fn store(self, to: &mut Record);
+    /// This vector with the scalar of another record.
+    fn with_scalar_of(self, other: Self) -> Self;
+    /// Of the vector, without the scalar.
+    fn length_squared(self) -> f64;
+}
+
+impl Quad for Record {
+    #[inline(always)]
+    fn load(from: &Record) -> Self {
+        *from
+    }
+    #[inline(always)]
+    fn store(self, to: &mut Record) {
+        *to = self;
+    }
+    #[inline(always)]
+    fn with_scalar_of(self, other: Self) -> Self {
+        Self { w: other.w, ..self }
+    }
+    #[inline(always)]
+    fn length_squared(self) -> f64 {
+        self.vector().length_squared()
+    }
+}

@@ -14,6 +14,7 @@ mod wall;
 use std::any::Any;
 
 pub(crate) use hertz_mindlin::{PairKernel, Run};
+pub(crate) use lanes::Quad;
 pub(crate) use wall::WallRun;
 
 use crate::contact::cohesion::Cohesionless;
@@ -135,6 +136,29 @@ fn reach<V: lanes::Lanes>(own: &Record, [x, y, z, r]: [&[f64; 8]; 4], range: f64
     };
     let sum = V::splat(own.w) + V::load(r) + V::splat(range);
     d.dot(d).less(sum * sum)
+}
+
+/// Work on records that is written once for all instruction sets.
+pub(crate) trait RecordWork {
+    /// What it yields.
+    type Yield;
+    /// Do it with `Q` for a record.
+    fn run<Q: Quad>(self) -> Self::Yield;
+}
+
+/// Do `work` with the registers of `level`: the same operations on each number.
+#[inline(always)]
+pub(crate) fn on_records<W: RecordWork>(level: Level, work: W) -> W::Yield {
+    #[cfg(target_arch = "x86_64")]
+    if level != Level::Portable {
+        return widened(
+            level,
+            #[inline(always)]
+            || work.run::<avx::Four>(),
+        );
+    }
+    let _ = level;
+    work.run::<Record>()
 }
 
 /// Run `work` compiled for the instructions of `level`: the same operations, wider registers.

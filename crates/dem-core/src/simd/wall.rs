@@ -33,7 +33,7 @@ const HITS: usize = 256;
 impl PairKernel<'_> {
     /// Compute a chunk of the wall list.
     pub(crate) fn wall_contacts(&self, level: Level, run: &mut WallRun<'_>, into: &mut ChunkYield) {
-        let mut begin = 0;
+        let (mut begin, mut g) = (0, Group::EMPTY);
         while begin < run.sphere.len() {
             let mut hits = [0u32; HITS];
             let end = (begin + HITS).min(run.sphere.len());
@@ -53,7 +53,7 @@ impl PairKernel<'_> {
                     }
                 }
                 count = left;
-                self.group(level, run, wall, &group, lanes, into);
+                self.group(level, run, wall, &group[..lanes], &mut g, into);
             }
             begin = end;
         }
@@ -88,15 +88,15 @@ impl PairKernel<'_> {
         level: Level,
         run: &mut WallRun<'_>,
         wall: u16,
-        entries: &[u32; 8],
-        lanes: usize,
+        entries: &[u32],
+        g: &mut Group,
         into: &mut ChunkYield,
     ) {
         let placed = &run.walls[wall as usize];
-        let mut g = Group { places: [0; 8], valid: ((1u16 << lanes) - 1) as u8, ..Group::EMPTY };
+        g.valid = ((1u16 << entries.len()) - 1) as u8;
         for lane in 0..8 {
             // Lanes beyond the last repeat the first.
-            let e = entries[if lane < lanes { lane } else { 0 }] as usize;
+            let e = entries.get(lane).or(entries.first()).map_or(0, |&e| e as usize);
             g.places[lane] = run.sphere[e];
             for slot in 0..SLOTS {
                 g.memory[slot][lane] = run.memory[memory_index(SLOTS, e, slot)];
@@ -110,19 +110,19 @@ impl PairKernel<'_> {
                 #[cfg(target_arch = "x86_64")]
                 match (level, self.fast_roots) {
                     (Level::Avx512, true) => unsafe {
-                        self.contacts::<super::avx::Wide, true>(placed, &mut g);
+                        self.contacts::<super::avx::Wide, true>(placed, g);
                     },
                     (Level::Avx512, false) => unsafe {
-                        self.contacts::<super::avx::Wide, false>(placed, &mut g);
+                        self.contacts::<super::avx::Wide, false>(placed, g);
                     },
                     (Level::Avx2, _) => unsafe {
-                        self.contacts::<super::avx::Pair, false>(placed, &mut g);
+                        self.contacts::<super::avx::Pair, false>(placed, g);
                     },
                     (Level::Portable, _) => {}
                 }
             },
         );
-        for (lane, &e) in entries.iter().enumerate().take(lanes) {
+        for (lane, &e) in entries.iter().enumerate() {
             let e = e as usize;
             run.active[e] = if g.touching >> lane & 1 != 0 { TOUCHES } else { 0 };
             run.force[e] = g.force[lane];
