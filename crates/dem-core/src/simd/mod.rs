@@ -184,3 +184,35 @@ pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
     let _ = level;
     work()
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use lanes::Lanes;
+
+    #[test]
+    fn reciprocal_roots_are_two_units_in_the_last_place_off_at_most() {
+        if Level::detect() != Level::Avx512 {
+            return;
+        }
+        let mut worst = 0.0f64;
+        for k in 0..40_000 {
+            let x: [f64; 8] = std::array::from_fn(|lane| {
+                let k = f64::from(8 * k + lane as i32);
+                (1.0 + k / 320_000.0) * 10f64.powi(k as i32 % 60 - 30)
+            });
+            let mut y = [0.0; 8];
+            widened(
+                Level::Avx512,
+                #[inline(always)]
+                || avx::Wide::load(&x).reciprocal_root().store(&mut y),
+            );
+            for (x, y) in x.iter().zip(y) {
+                worst = worst.max((y * x.sqrt() - 1.0).abs());
+            }
+        }
+        // The root and the product round as well: half a unit each.
+        assert!(worst < 3.0 * f64::EPSILON, "{worst:e}");
+        assert!(worst > 0.0);
+    }
+}
