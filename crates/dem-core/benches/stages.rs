@@ -113,17 +113,19 @@ impl Scene {
 }
 
 fn bench(c: &mut Criterion, group: &str, name: &str, scene: &Scene, steps: u64) {
-    let mut world = scene.world();
-    world.run(steps).expect("a first step");
+    let beads = scene.across * scene.across * scene.up;
     let mut group = c.benchmark_group(group);
-    group.throughput(Throughput::Elements(steps * world.len() as u64));
-    group.bench_function(BenchmarkId::new(name, world.len()), |b| {
+    group.throughput(Throughput::Elements(steps * beads as u64));
+    group.bench_function(BenchmarkId::new(name, beads), |b| {
+        let mut world = scene.world();
+        world.run(steps).expect("a first step");
         // From the same state every time.
         let state = world.snapshot();
         b.iter_batched_ref(
             || {
                 let mut world = world.clone();
                 world.restore(&state).expect("its own state");
+                world.run(1).expect("a step that warms up");
                 world
             },
             |world| world.run(steps).expect("steps"),
