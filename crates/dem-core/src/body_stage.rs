@@ -157,7 +157,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     mean_velocity: &mut mv[range.clone()],
                     end_velocity: &mut ev[range.clone()],
                     mean_spin: &mut mw[range.clone()],
-                    linear: &mut l[range.clone()],
+                    linear: l.get_mut(range.clone()).unwrap_or_default(),
                     turn: &mut t[range],
                 };
                 let kick = kicks.then_some(&kick);
@@ -249,17 +249,17 @@ impl<M> Kick<'_, M> {
             if dt == 0.0 {
                 continue;
             }
-            let mut memory = recall::<Q, I>(&run.linear[k]);
+            let mut memory = recall::<Q, I>(run.linear, k);
             let velocity = Q::load(&run.velocity[k]);
             let v = integrator.kick(velocity, old, new, &mut memory, dt);
             v.with_scalar_of(velocity).store(&mut run.velocity[k]);
-            remember::<Q, I>(&mut run.linear[k], memory);
+            remember::<Q, I>(run.linear, k, memory);
             if moment > 0.0 {
-                let mut memory = recall::<Q, I>(&run.turn[k]);
+                let mut memory = recall::<Q, I>(run.turn, k);
                 let spin = Q::load(&run.spin[k]);
                 let w = integrator.kick(spin, old_turn, new_turn, &mut memory, dt);
                 w.with_scalar_of(spin).store(&mut run.spin[k]);
-                remember::<Q, I>(&mut run.turn[k], memory);
+                remember::<Q, I>(run.turn, k, memory);
             } else {
                 let m = self.members;
                 let momentum = run.turn[k].vector() + torque.vector() * (0.5 * dt);
@@ -282,10 +282,10 @@ impl Drift<'_> {
         let reference = &self.reference[run.begin..run.begin + run.position.len()];
         let run = run.even();
         for (k, r) in reference.iter().enumerate().take(run.position.len()) {
-            let mut memory = recall::<Q, I>(&run.linear[k]);
+            let mut memory = recall::<Q, I>(run.linear, k);
             let (v, a) = (Q::load(&run.velocity[k]), Q::load(&run.acceleration[k]));
             let d = integrator.drift(v, a, &mut memory, dt);
-            remember::<Q, I>(&mut run.linear[k], memory);
+            remember::<Q, I>(run.linear, k, memory);
             let position = Q::load(&run.position[k]);
             let position = (position + d.mean_velocity * dt).with_scalar_of(position);
             position.store(&mut run.position[k]);
@@ -295,10 +295,10 @@ impl Drift<'_> {
             d.end_velocity.with_scalar_of(old).store(&mut run.end_velocity[k]);
             // A clump has no single moment of inertia: it turns elsewhere.
             if run.spin[k].w > 0.0 {
-                let mut memory = recall::<Q, I>(&run.turn[k]);
+                let mut memory = recall::<Q, I>(run.turn, k);
                 let (w, a) = (Q::load(&run.spin[k]), Q::load(&run.angular[k]));
                 let d = integrator.drift(w, a, &mut memory, dt);
-                remember::<Q, I>(&mut run.turn[k], memory);
+                remember::<Q, I>(run.turn, k, memory);
                 let old = Q::load(&run.mean_spin[k]);
                 d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
             }
@@ -324,7 +324,7 @@ impl Run<'_> {
             mean_velocity: &mut self.mean_velocity[..n],
             end_velocity: &mut self.end_velocity[..n],
             mean_spin: &mut self.mean_spin[..n],
-            linear: &mut self.linear[..n],
+            linear: &mut *self.linear,
             turn: &mut self.turn[..n],
         }
     }
@@ -332,14 +332,15 @@ impl Run<'_> {
 
 /// What the integrator remembers, if it does.
 #[inline(always)]
-fn recall<Q: Quad, I: Integrator>(record: &Record) -> Q {
-    Q::load(if I::REMEMBERS { record } else { &Record::ZERO })
+fn recall<Q: Quad, I: Integrator>(records: &[Record], k: usize) -> Q {
+    Q::load(if I::REMEMBERS { &records[k] } else { &Record::ZERO })
 }
 
 /// Keep what the integrator remembers, if it does.
 #[inline(always)]
-fn remember<Q: Quad, I: Integrator>(record: &mut Record, memory: Q) {
+fn remember<Q: Quad, I: Integrator>(records: &mut [Record], k: usize, memory: Q) {
     if I::REMEMBERS {
+        let record = &mut records[k];
         memory.with_scalar_of(Q::load(record)).store(record);
     }
 }

@@ -49,6 +49,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (state, s) = (&mut self.state, &mut self.scratch);
         std::mem::swap(&mut state.pairs, &mut s.old_pairs);
         std::mem::swap(&mut state.wall_list, &mut s.old_walls);
+        // The old list is only read for what its contacts remember: one such index is enough.
+        std::mem::swap(&mut state.pairs.by_second, &mut s.old_pairs.by_second);
+        std::mem::swap(&mut state.pairs.second_start, &mut s.old_pairs.second_start);
         let old_place = sorted.then_some(&s.old_sphere_place[..]);
         state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place);
         self.list_walls(sorted);
@@ -148,7 +151,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let s = &mut self.scratch;
         s.cells.sort(&self.state.bodies.position, range, self.make.period);
         s.order.clone_from(&s.cells.order);
-        self.state.bodies.permute(&s.order, &mut s.records);
+        // The search sorts anew afterwards, so its positions lend their memory.
+        self.state.bodies.permute(&s.order, &mut s.cells.sorted);
         // The reference goes with the bodies: it is read once more before it is renewed.
         let had_members = !self.state.members.body.is_empty();
         if !clumps {

@@ -152,8 +152,8 @@ pub(crate) struct Bodies {
     pub(crate) mean_spin: Vec<Record>,
     /// Velocity that the last forces foretold for the end of the step, and charge.
     pub(crate) end_velocity: Vec<Record>,
-    /// What the integrator remembers of the translation and of the rotation (of a clump: its
-    /// angular momentum).
+    /// What the integrator remembers of the translation (empty if nothing) and of the rotation
+    /// (of a clump: its angular momentum).
     pub(crate) linear_memory: Vec<Record>,
     pub(crate) angular_memory: Vec<Record>,
     /// Place of each body, by its name.
@@ -209,6 +209,9 @@ impl Bodies {
             &mut self.linear_memory,
             &mut self.angular_memory,
         ] {
+            if v.is_empty() {
+                continue;
+            }
             scratch.clear();
             scratch.extend(order.iter().map(|&k| v[k as usize]));
             std::mem::swap(v, scratch);

@@ -97,6 +97,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         self.state.clone_from(&snapshot.state);
+        // A snapshot of a world with another integrator may hold no memory, or one too many.
+        let remembered = if I::REMEMBERS { self.state.bodies.len() } else { 0 };
+        self.state.bodies.linear_memory.resize(remembered, Record::default());
         self.state.pairs.sort_by_second();
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.make.gravity = snapshot.gravity;

@@ -201,7 +201,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let b = &mut self.state.bodies;
         for k in 0..b.len() {
             let (v, a) = (b.velocity[k].vector(), b.acceleration[k].vector());
-            b.linear_memory[k].set(self.integrator.start(v, a, dt));
+            if let Some(memory) = b.linear_memory.get_mut(k) {
+                memory.set(self.integrator.start(v, a, dt));
+            }
             let (w, a) = (b.spin[k].vector(), b.angular_acceleration[k].vector());
             let memory = if b.spin[k].w > 0.0 {
                 self.integrator.start(w, a, dt)

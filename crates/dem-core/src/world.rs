@@ -140,7 +140,6 @@ pub(crate) struct Scratch {
     pub(crate) found: Vec<Vec<Found>>,
     pub(crate) old_pairs: PairList,
     pub(crate) old_walls: WallList,
-    pub(crate) records: Vec<Record>,
     pub(crate) order: Vec<u32>,
     pub(crate) old_sphere_place: Vec<u32>,
     pub(crate) placed: Vec<PlacedWall>,
