@@ -371,7 +371,7 @@ fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
         camera(
             "camera.roll_deg",
             [-2.0, 2.0],
-            (-10.0, 10.0),
+            (-5.0, 5.0),
             "a plumb line in the picture, or turning the drum the other way round",
         ),
         camera(

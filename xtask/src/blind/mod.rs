@@ -11,6 +11,7 @@ mod matrix;
 mod nulls;
 mod score;
 mod sealed;
+mod thesis;
 
 use std::path::PathBuf;
 
@@ -49,6 +50,8 @@ enum Task {
         #[arg(long)]
         json: bool,
     },
+    /// The thesis's twelve configurations with the tables of EDEM: docs/src/closing-the-thesis.md.
+    Thesis,
     /// False alarms on simulated drums that lack nothing.
     Nulls {
         /// Drums.
@@ -68,6 +71,7 @@ pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
         crate::root().join(&blind.folder)
     };
     match &blind.task {
+        Task::Thesis => thesis::run(),
         Task::Make { seed } => make::run(&folder, *seed, blind.jobs),
         Task::Score { runs, only, json } => {
             score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)

@@ -19,6 +19,9 @@ use crate::report::closing::{Closed, page};
 /// Share of a budget that runs may take; the rest is statistics.
 const SIMULATING: f64 = 0.8;
 
+/// Runs for the embedded drum: about two minutes on two cores.
+const EMBEDDED_RUNS: usize = 45;
+
 #[derive(Serialize)]
 struct Gate {
     chi2: f64,
@@ -110,6 +113,9 @@ fn by_runs(
     };
     settings.attribution.bootstrap = args.bootstrap;
     settings.attribution.seed = args.seed;
+    if args.case.is_none() && args.runs.is_none() && args.budget.is_none() {
+        settings.runs = Some(EMBEDDED_RUNS);
+    }
     if let Some(budget) = args.budget {
         let this = CloseLoop { case, measured, lab: &lab, settings: &settings };
         eprintln!("a pilot run tells what a run costs");

@@ -1,0 +1,3 @@
+//! Loops closed on a tiny drum.
+
+mod tiny;

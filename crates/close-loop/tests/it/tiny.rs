@@ -1,0 +1,106 @@
+//! A drum of 90 beads, too small to name much, large enough to go through every stage.
+
+use close_loop::campaign::{Laboratory, Resolution, Sampling};
+use close_loop::rig_schema::{Case, MeasuredTable};
+use close_loop::{CloseLoop, CloseLoopError, LoopSettings, Outcome};
+
+const CASE: &str = r#"
+name = "tiny"
+drum = { radius_m = 0.02, length_m = 0.02, mantle = "glass", end_plates = "glass", ends = "periodic" }
+particles = { material = "glass", shape = { sphere = { diameter_m = 0.004 } } }
+fill.count = 90
+friction = { pp = 0.5, mantle = 0.8 }
+restitution = { pp = 0.6, mantle = 0.6 }
+rolling = { pp = 0.01, mantle = 0.01 }
+camera = { distance_m = 0.25 }
+size = { spread = 0.1 }
+run = { speeds_rpm = [40.0, 80.0], frames = 6 }
+[data]
+responses = "measured.csv"
+[free]
+friction.pp = { range = [0.2, 0.8] }
+[catalogue]
+only = ["fill.scale", "camera.roll_deg", "measure"]
+[simulator.rig]
+coarse = false
+[materials]
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 2.5e5 }
+"#;
+
+/// A bed that no friction gives: twice as high as 90 beads can lie.
+const IMPOSSIBLE: &str = "\
+omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_eff
+40,30,1,31,1,10,0.5,15,0.5,20
+80,30,1,31,1,10,0.5,15,0.5,20
+";
+
+fn close(folder: &std::path::Path, table: &str, jobs: usize) -> Result<Outcome, CloseLoopError> {
+    let case = Case::parse("case.toml", CASE).unwrap();
+    let measured = MeasuredTable::parse("measured.csv", table).unwrap();
+    let resolution = Resolution { width_px: 300, most_sub_frames: 1 };
+    let sampling = Sampling { resolution, ..Sampling::default() };
+    let lab = Laboratory::open(folder, jobs, sampling).unwrap();
+    let mut settings = LoopSettings { runs: Some(30), ..LoopSettings::default() };
+    settings.attribution.bootstrap = 99;
+    settings.attribution.stability_bootstrap = 0;
+    CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings }.run(&mut |_| ())
+}
+
+/// Everything but the time that runs took.
+fn words(o: &Outcome) -> String {
+    format!("{} {:?} {:?} {:?} {:?}", o.sentence, o.strengths, o.before, o.after, o.points)
+}
+
+#[test]
+fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
+    let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let first = close(one.path(), IMPOSSIBLE, 1).unwrap();
+    assert_ne!(first.verdict, "none");
+    assert!(first.before.errors.chi2 > 100.0);
+    // As after a kill: some rows are kept, some motions, some are gone or torn.
+    for (k, file) in std::fs::read_dir(one.path().join("responses")).unwrap().enumerate() {
+        let path = file.unwrap().path();
+        match k % 4 {
+            0 => std::fs::remove_file(path).unwrap(),
+            1 => std::fs::write(path, "{ torn").unwrap(),
+            _ => {}
+        }
+    }
+    for (k, file) in std::fs::read_dir(one.path().join("motions")).unwrap().enumerate() {
+        let path = file.unwrap().path();
+        if k % 3 == 0 {
+            std::fs::write(&path, &std::fs::read(&path).unwrap()[..40]).unwrap();
+        }
+    }
+    let again = close(one.path(), IMPOSSIBLE, 1).unwrap();
+    assert_eq!(words(&first), words(&again));
+    let elsewhere = close(two.path(), IMPOSSIBLE, 2).unwrap();
+    assert_eq!(words(&first), words(&elsewhere));
+}
+
+#[test]
+fn too_few_runs_are_refused_before_anything_is_simulated() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = Case::parse("case.toml", CASE).unwrap();
+    let measured = MeasuredTable::parse("measured.csv", IMPOSSIBLE).unwrap();
+    let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+    let settings = LoopSettings { runs: Some(3), ..LoopSettings::default() };
+    let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+    let error = looped.planned().unwrap_err();
+    assert!(matches!(error, CloseLoopError::Budget { runs: 3, least, .. } if least > 3), "{error}");
+}
+
+#[test]
+fn a_case_with_a_table_is_pointed_to_the_other_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = CASE.replace(
+        "[simulator.rig]\ncoarse = false",
+        "[simulator.table]\nfile = \"runs.csv\"\ncolumns = { mu_pp = \"friction.pp\" }",
+    );
+    let case = Case::parse("case.toml", &text).unwrap();
+    let measured = MeasuredTable::parse("measured.csv", IMPOSSIBLE).unwrap();
+    let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+    let settings = LoopSettings::default();
+    let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+    assert!(matches!(looped.planned(), Err(CloseLoopError::NoRig { .. })));
+}
