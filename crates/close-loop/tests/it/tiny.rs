@@ -1,4 +1,4 @@
-//! A drum of 90 beads, too small to name much, large enough to go through every stage.
+//! A drum of 420 beads, too small to name much, large enough to go through every stage.
 
 use close_loop::campaign::{Laboratory, Resolution, Sampling};
 use close_loop::rig_schema::{Case, MeasuredTable};
@@ -6,15 +6,15 @@ use close_loop::{CloseLoop, CloseLoopError, LoopSettings, Outcome};
 
 const CASE: &str = r#"
 name = "tiny"
-drum = { radius_m = 0.02, length_m = 0.02, mantle = "glass", end_plates = "glass", ends = "periodic" }
+drum = { radius_m = 0.03, length_m = 0.02, mantle = "glass", end_plates = "glass", ends = "periodic" }
 particles = { material = "glass", shape = { sphere = { diameter_m = 0.004 } } }
-fill.count = 90
+fill.count = 420
 friction = { pp = 0.5, mantle = 0.8 }
 restitution = { pp = 0.6, mantle = 0.6 }
 rolling = { pp = 0.01, mantle = 0.01 }
 camera = { distance_m = 0.25 }
 size = { spread = 0.1 }
-run = { speeds_rpm = [40.0, 80.0], frames = 6 }
+run = { speeds_rpm = [50.0, 80.0], frames = 6 }
 [data]
 responses = "measured.csv"
 [free]
@@ -24,23 +24,23 @@ only = ["fill.scale", "camera.roll_deg", "measure"]
 [simulator.rig]
 coarse = false
 [materials]
-glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 2.5e5 }
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
 "#;
 
 /// A bed that no friction gives: twice as high as 90 beads can lie.
 const IMPOSSIBLE: &str = "\
 omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_eff
-40,30,1,31,1,10,0.5,15,0.5,20
+50,30,1,31,1,10,0.5,15,0.5,20
 80,30,1,31,1,10,0.5,15,0.5,20
 ";
 
 fn close(folder: &std::path::Path, table: &str, jobs: usize) -> Result<Outcome, CloseLoopError> {
     let case = Case::parse("case.toml", CASE).unwrap();
     let measured = MeasuredTable::parse("measured.csv", table).unwrap();
-    let resolution = Resolution { width_px: 300, most_sub_frames: 1 };
-    let sampling = Sampling { resolution, ..Sampling::default() };
+    let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
+    let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
     let lab = Laboratory::open(folder, jobs, sampling).unwrap();
-    let mut settings = LoopSettings { runs: Some(30), ..LoopSettings::default() };
+    let mut settings = LoopSettings { runs: Some(34), ..LoopSettings::default() };
     settings.attribution.bootstrap = 99;
     settings.attribution.stability_bootstrap = 0;
     CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings }.run(&mut |_| ())
@@ -53,8 +53,8 @@ fn words(o: &Outcome) -> String {
 
 #[test]
 fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
-    let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let first = close(one.path(), IMPOSSIBLE, 1).unwrap();
+    let one = tempfile::tempdir().unwrap();
+    let first = close(one.path(), IMPOSSIBLE, 2).unwrap();
     assert_ne!(first.verdict, "none");
     assert!(first.before.errors.chi2 > 100.0);
     // As after a kill: some rows are kept, some motions, some are gone or torn.
@@ -74,8 +74,6 @@ fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
     }
     let again = close(one.path(), IMPOSSIBLE, 1).unwrap();
     assert_eq!(words(&first), words(&again));
-    let elsewhere = close(two.path(), IMPOSSIBLE, 2).unwrap();
-    assert_eq!(words(&first), words(&elsewhere));
 }
 
 #[test]
