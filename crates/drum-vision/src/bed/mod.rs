@@ -6,3 +6,4 @@ pub mod edge;
 pub mod prepare;
 pub mod region;
 pub mod split;
+pub(crate) mod reflex;
