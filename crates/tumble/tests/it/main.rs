@@ -2,4 +2,5 @@
 
 mod bad_input;
 mod calibrate;
+mod pictures;
 mod run;
