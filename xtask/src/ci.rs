@@ -67,6 +67,8 @@ pub(crate) fn run() -> anyhow::Result<()> {
         }
         println!("   {:.0} s", begun.elapsed().as_secs_f64());
     }
+    println!("== instructions");
+    crate::instructions::run()?;
     println!("== validation");
     crate::validate::run(false)?;
     println!("all passed in {:.0} s", start.elapsed().as_secs_f64());

@@ -1,8 +1,10 @@
-//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`, `peers`, `scratch`.
+//! House tasks: `ci`, `tidy`, `reproduce`, `validate`, `dosta`, `instructions`, `peers`, `scratch`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
+mod blind;
 mod ci;
 mod dosta;
+mod instructions;
 mod peers;
 mod reproduce;
 mod scratch;
@@ -43,8 +45,12 @@ enum Task {
     Scratch,
     /// The soft drum of Dosta et al. 2024 from a start file, in Tumble or LIGGGHTS.
     Dosta(dosta::Options),
+    /// Instructions of the contact loop under valgrind, held against frozen counts.
+    Instructions,
     /// Tumble beside LAMMPS and LIGGGHTS on the same drum; see docs/performance.md.
     Peers(peers::Peers),
+    /// Sealed cases with effects that nobody declares: make them, score closing the loop on them.
+    Blind(blind::Blind),
     /// One timed run of Tumble (started by `peers`).
     #[command(hide = true)]
     PeersWorker(peers::Worker),
@@ -66,7 +72,9 @@ fn main() -> ExitCode {
         Task::Validate { json } => validate::run(json),
         Task::Scratch => scratch::run(),
         Task::Dosta(options) => dosta::run(&options),
+        Task::Instructions => instructions::run(),
         Task::Peers(options) => peers::run(&options),
+        Task::Blind(blind) => blind::run(&blind),
         Task::PeersWorker(work) => peers::run_worker(&work),
         Task::PeersMemoryWorker(work) => peers::run_memory_worker(&work),
     };

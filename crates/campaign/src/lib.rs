@@ -8,8 +8,11 @@
 pub use {drum_film, drum_rig, drum_vision, rig_schema};
 
 mod error;
+pub mod export;
 mod laboratory;
 mod observatory;
+pub mod plan;
+pub mod vtk;
 
 pub use error::CampaignError;
 pub use laboratory::{Done, Footage, Laboratory, Run, Sampling, SpeedRow};

@@ -123,7 +123,7 @@ impl Observatory {
     /// # Errors
     /// [`CampaignError::Film`] if the frame cannot be drawn.
     pub fn frame(&self, footage: &Footage, index: usize) -> Result<RgbImage, CampaignError> {
-        Ok(self.studio.exposed_frame(&footage.instants(index), index as u64)?.image)
+        Ok(self.studio.exposed_frame(footage.instants(index), index as u64)?.image)
     }
 
     /// Film and measure everything that was sampled at one speed.

@@ -20,8 +20,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let resolution = Resolution { width_px: 484, ..Resolution::default() };
     let sampling = Sampling { resolution, ..Sampling::default() };
     let lab = Laboratory::open(Path::new(cache), jobs, sampling)?;
-    let settings =
-        LoopSettings { runs: rest.first().map(|r| r.parse()).transpose()?, ..LoopSettings::default() };
+    let settings = LoopSettings {
+        runs: rest.first().map(|r| r.parse()).transpose()?,
+        ..LoopSettings::default()
+    };
     let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
     eprintln!("{} runs at most", looped.planned()?);
     let outcome = looped.run(&mut |t| {
@@ -30,25 +32,55 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("\n{}", outcome.sentence);
     println!("calibrated {:?}", outcome.calibrated);
     println!("gate {:?}", outcome.finding.gate);
-    println!("inflation {:.2}, cost {:.0} s, runs {}", outcome.inflation, outcome.cost_s, outcome.runs);
+    println!(
+        "inflation {:.2}, cost {:.0} s, runs {}",
+        outcome.inflation, outcome.cost_s, outcome.runs
+    );
     for r in &outcome.finding.ranked {
         println!(
             "{:32} {:9.4} [{:?}, {:?}] gain {:7.1} p_abs {:.3} fam {:.3} ev {:.3} held {:?} {} {:?}",
-            r.name, r.strength.value, r.strength.lo, r.strength.hi, r.improvement, r.p_absolute,
-            r.p_family, r.evidence, r.held_out_gain.map(|g| (g * 100.0).round() / 100.0), r.class, r.objections
+            r.name,
+            r.strength.value,
+            r.strength.lo,
+            r.strength.hi,
+            r.improvement,
+            r.p_absolute,
+            r.p_family,
+            r.evidence,
+            r.held_out_gain.map(|g| (g * 100.0).round() / 100.0),
+            r.class,
+            r.objections
         );
     }
     for (name, side) in [("before", &outcome.before), ("after", &outcome.after)] {
-        println!("{name}: {:?} chi2 {:.1}/{} p {:.4}", side.at, side.errors.chi2, side.errors.dof, side.errors.p);
+        println!(
+            "{name}: {:?} chi2 {:.1}/{} p {:.4}",
+            side.at, side.errors.chi2, side.errors.dof, side.errors.p
+        );
         for (set, all) in [("fitted", &side.errors.fitted), ("held out", &side.errors.held_out)] {
             for e in all {
-                println!("  {set:9} {:12} rmse {:.2} ({:.2} sd), floor {:.2}", e.response, e.rmse, e.rmse_sd, e.floor);
+                println!(
+                    "  {set:9} {:12} rmse {:.2} ({:.2} sd), floor {:.2}",
+                    e.response, e.rmse, e.rmse_sd, e.floor
+                );
             }
         }
     }
-    println!("removed {:?}, confirmed {:?}, failed {:?}", outcome.removed, outcome.confirmed, outcome.failed);
+    println!(
+        "removed {:?}, confirmed {:?}, failed {:?}",
+        outcome.removed, outcome.confirmed, outcome.failed
+    );
     for p in &outcome.points {
-        println!("{:5} {:12} {} measured {:7.2} sd {:.2} before {:7.2} after {:7.2}", p.omega_rpm, p.response, if p.fitted { "fit " } else { "held" }, p.measured, p.sd, p.before, p.after);
+        println!(
+            "{:5} {:12} {} measured {:7.2} sd {:.2} before {:7.2} after {:7.2}",
+            p.omega_rpm,
+            p.response,
+            if p.fitted { "fit " } else { "held" },
+            p.measured,
+            p.sd,
+            p.before,
+            p.after
+        );
     }
     println!("left out {:?}", outcome.left_out);
     Ok(())

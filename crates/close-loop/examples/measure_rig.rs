@@ -19,10 +19,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     rig.run.seed = seed.parse()?;
     let resolution = Resolution { width_px: 484, ..Resolution::default() };
-    let lab = Laboratory::open(Path::new(cache), 1, Sampling { resolution, ..Sampling::default() })?;
+    let lab =
+        Laboratory::open(Path::new(cache), 1, Sampling { resolution, ..Sampling::default() })?;
     let run = lab.run(&[rig], |_| ()).remove(0)?;
     eprintln!("{:.2} s, {} particles, {} steps", run.cost_s, run.particles, run.steps);
-    println!("omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_frames,n_eff,cov_lin_mid,cov_lin_x,cov_lin_y,cov_mid_x,cov_mid_y,cov_x_y");
+    println!(
+        "omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_frames,n_eff,cov_lin_mid,cov_lin_x,cov_lin_y,cov_mid_x,cov_mid_y,cov_x_y"
+    );
     for s in &run.speeds {
         let n = s.n_eff.iter().copied().fold(f64::INFINITY, f64::min);
         print!("{}", s.omega_rpm);

@@ -119,9 +119,8 @@ pub(crate) fn outcome(
 }
 
 fn effects_at(state: &State<'_>, names: &[String], strengths: &[f64]) -> Vec<(Effect, f64)> {
-    let find = |name: &String| {
-        state.setup.catalogue.effects.iter().find(|e| e.path == *name).cloned()
-    };
+    let find =
+        |name: &String| state.setup.catalogue.effects.iter().find(|e| e.path == *name).cloned();
     names.iter().zip(strengths).filter_map(|(n, s)| Some((find(n)?, *s))).collect()
 }
 
@@ -192,9 +191,8 @@ fn fresh(
         all.items.iter().zip(&place).map(|(o, p)| o.mean - predicted.mean[*p]).collect();
     let nuisances = &state.setup.nuisances;
     let slope = |n: &Nuisance, i: usize| n.slope(all.items[i].response, all.items[i].mean);
-    let offset = |i: usize| -> f64 {
-        nuisances.iter().map(|n| slope(n, i) * n.departure(n.mean)).sum()
-    };
+    let offset =
+        |i: usize| -> f64 { nuisances.iter().map(|n| slope(n, i) * n.departure(n.mean)).sum() };
     let free = theta.len() + effects.len();
     let covariance = Mat::from_fn(fitted, fitted, |i, j| {
         let shared: f64 = nuisances.iter().map(|n| slope(n, i) * slope(n, j) * n.sd * n.sd).sum();
@@ -215,8 +213,7 @@ fn fresh(
         .collect();
     let points: Vec<(f64, f64)> = (0..all.items.len())
         .map(|i| {
-            let moved: f64 =
-                nuisances.iter().zip(&estimate).map(|(n, e)| slope(n, i) * e).sum();
+            let moved: f64 = nuisances.iter().zip(&estimate).map(|(n, e)| slope(n, i) * e).sum();
             (predicted.mean[place[i]] + offset(i) + moved, noise(i, i).max(0.0).sqrt())
         })
         .collect();
@@ -291,16 +288,14 @@ fn removed(state: &State<'_>, before: &Fresh, after: &Fresh) -> Option<f64> {
     (above > 0.0).then(|| ((mean(before) - mean(after).max(1.0)) / above).min(1.0))
 }
 
-fn sentence(
-    finding: &Finding,
-    verdict: &str,
-    strengths: &[StrengthOf],
-    is_pair: bool,
-) -> String {
+fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
     let named: Vec<String> = strengths
         .iter()
         .map(|s| {
-            format!("{} = {:.3} ({:.3} to {:.3}; the rig has {:.3})", s.name, s.value, s.lo, s.hi, s.null)
+            format!(
+                "{} = {:.3} ({:.3} to {:.3}; the rig has {:.3})",
+                s.name, s.value, s.lo, s.hi, s.null
+            )
         })
         .collect();
     match verdict {
@@ -309,8 +304,13 @@ fn sentence(
             finding.gate.chi2, finding.gate.dof, finding.gate.p_combined
         ),
         "effect" => format!("The model lacks {}: {}.", strengths[0].name, named[0]),
-        "class" if is_pair => format!("Two effects together explain the data: {}.", named.join(" and ")),
-        "class" => format!("The model lacks one of these, which the data cannot tell apart: {}.", named.join("; ")),
+        "class" if is_pair => {
+            format!("Two effects together explain the data: {}.", named.join(" and "))
+        }
+        "class" => format!(
+            "The model lacks one of these, which the data cannot tell apart: {}.",
+            named.join("; ")
+        ),
         _ if !strengths.is_empty() => format!(
             "Something is missing; {} came closest, but fresh simulations do not confirm it.",
             strengths[0].name
@@ -325,7 +325,10 @@ fn sentence(
 fn assumed(this: &CloseLoop<'_>, state: &State<'_>) -> Vec<String> {
     let mut all = Vec::new();
     if this.case.data.n_eff.is_none() && this.measured.rows.iter().any(|r| r.n_eff.is_none()) {
-        all.push("A measured mean counts as 15 independent frames where the table does not say.".to_owned());
+        all.push(
+            "A measured mean counts as 15 independent frames where the table does not say."
+                .to_owned(),
+        );
     }
     if this.measured.rows.iter().all(|r| r.covariance.iter().flatten().all(Option::is_none)) {
         all.push(

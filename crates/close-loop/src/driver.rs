@@ -70,6 +70,9 @@ pub struct CloseLoop<'a> {
 /// Half the side of a box about a best point, coded units.
 const NEAR: f64 = 0.7;
 
+/// Spacing of the points at which runs are made, coded units.
+const GRID: f64 = 0.5;
+
 /// Everything known so far.
 pub(crate) struct State<'a> {
     pub(crate) setup: Setup,
@@ -114,9 +117,21 @@ impl CloseLoop<'_> {
     /// # Errors
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
+        let (mut state, finding) = self.stages(watch)?;
+        confirm::outcome(self, &mut state, finding, watch)
+    }
+
+    /// Everything but the fresh runs: for studies of false alarms and of power.
+    ///
+    /// # Errors
+    /// As [`CloseLoop::run`].
+    pub fn find(&self, watch: &mut dyn FnMut(&Told)) -> Result<Finding, CloseLoopError> {
+        Ok(self.stages(watch)?.1)
+    }
+
+    fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
-        let effort =
-            Effort::of(self.settings.runs, setup.free.len(), simulated_effects(&setup))?;
+        let effort = Effort::of(self.settings.runs, setup.free.len(), simulated_effects(&setup))?;
         let seed = self.settings.seed;
         let mut state = State {
             setup,
@@ -144,7 +159,7 @@ impl CloseLoop<'_> {
             state.refine(&first, watch)?;
             state.attribute(&self.settings.attribution)?
         };
-        confirm::outcome(self, &mut state, finding, watch)
+        Ok((state, finding))
     }
 }
 
@@ -183,7 +198,7 @@ impl State<'_> {
                 self.measure_bias(round, watch)?;
                 self.theta = self.best(&self.theta.clone())?;
             }
-            let (low, high) = self.around(&self.theta, 1.0);
+            let (low, high) = self.around(&self.snap(&self.theta), 1.0);
             let seed = self.runs.filling(Stage::Zoom, (usize::MAX >> 8) - round);
             let points = fill_box(&axes, &low, &high, self.effort.zoom, seed);
             self.base_runs(Stage::Zoom, &points, round * self.effort.zoom, watch)?;
@@ -193,10 +208,22 @@ impl State<'_> {
         if self.setup.full.is_some() {
             self.measure_bias(2, watch)?;
         }
-        let points = vec![self.theta.clone(); self.effort.replicates];
+        let points = vec![self.snap(&self.theta); self.effort.replicates];
         self.base_runs(Stage::Replicates, &points, 0, watch)?;
         self.theta = self.best(&self.theta.clone())?;
         Ok(())
+    }
+
+    /// The nearest point of a grid of half units: runs are made there, so that loops on the same
+    /// rig share them. Models stand about the points themselves.
+    fn snap(&self, theta: &[f64]) -> Vec<f64> {
+        let each = self.setup.axes.iter().zip(&self.setup.free).zip(theta);
+        each.map(|((a, f), x)| {
+            let step = GRID * a.unit;
+            let t = (a.scale.forth(*x) / step).round() * step;
+            a.scale.back(t).clamp(f.range.0, f.range.1)
+        })
+        .collect()
     }
 
     /// Box of free parameters about a point, within their ranges.
@@ -321,13 +348,14 @@ impl State<'_> {
         let effects: Vec<Effect> = self.setup.catalogue.effects.clone();
         let mut rigs = Vec::new();
         let mut places = Vec::new();
+        let theta = self.snap(&self.theta);
         for e in effects.iter().filter(|e| is_simulated(e)).chain(&known) {
             for (p, strength) in e.probes.iter().enumerate() {
                 for k in 0..self.effort.probes {
                     // The same fillings for every effect: nothing is gained by others.
                     let filling = self.runs.filling(Stage::Probes, 2 * k + p);
                     let (rig, axes) = (&self.setup.rig, &self.setup.axes);
-                    let with = rig_with(rig, axes, &self.theta, (e, *strength), filling)?;
+                    let with = rig_with(rig, axes, &theta, (e, *strength), filling)?;
                     rigs.push((format!("{} = {strength:.4}", e.path), with));
                     places.push((e.path.clone(), *strength));
                 }
@@ -336,7 +364,7 @@ impl State<'_> {
         let runs = self.runs.all(Stage::Probes, &rigs, watch)?;
         for ((path, strength), run) in places.into_iter().zip(&runs) {
             let Some(run) = run else { continue };
-            let mut at = self.theta.clone();
+            let mut at = theta.clone();
             at.push(strength);
             self.effects.entry(path).or_default().push(sample(at, run));
         }
@@ -468,8 +496,7 @@ impl State<'_> {
         let variance = (0..knots)
             .map(|i| {
                 std::array::from_fn(|r| {
-                    let spread: f64 =
-                        slopes.iter().map(|s| (s[i][r] - first[i][r]).powi(2)).sum();
+                    let spread: f64 = slopes.iter().map(|s| (s[i][r] - first[i][r]).powi(2)).sum();
                     // A film of the same motion is good to a hundredth of a degree.
                     1e-4 + if slopes.len() > 1 { spread / ((n - 1.0) * n) } else { 0.01 }
                 })
@@ -570,9 +597,10 @@ impl State<'_> {
     ) -> Result<(), CloseLoopError> {
         let effects = self.setup.catalogue.effects.clone();
         let best = first.ranked.iter().map(|r| r.improvement).fold(0.0, f64::max);
-        let promising = first.ranked.iter().filter(|r| {
-            r.improvement > best - 40.0 && r.improvement > 0.3 * best
-        });
+        let promising = first
+            .ranked
+            .iter()
+            .filter(|r| r.improvement > best - 40.0 && r.improvement > 0.3 * best);
         let mut rigs = Vec::new();
         let mut places = Vec::new();
         let mut listed = 0;
@@ -585,9 +613,12 @@ impl State<'_> {
             let centre = r.fit.theta.clone();
             let Some((strength, theta)) = centre.split_last() else { continue };
             let axes = self.effect_axes(effect);
-            let (mut low, mut high) = self.around(theta, NEAR);
+            let theta = self.snap(theta);
+            let (mut low, mut high) = self.around(&theta, NEAR);
             let axis = &axes[axes.len() - 1];
-            let t = axis.scale.forth(*strength);
+            let origin = axis.scale.forth(effect.null);
+            let v = (axis.scale.forth(*strength) - origin) / axis.unit;
+            let t = origin + (v / GRID).round() * GRID * axis.unit;
             let beside = |sign: f64| {
                 axis.scale.back(t + sign * NEAR * axis.unit).clamp(effect.range.0, effect.range.1)
             };
@@ -595,12 +626,15 @@ impl State<'_> {
             high.push(beside(1.0));
             let seed = self.runs.filling(Stage::Refine, (usize::MAX >> 8) - listed);
             let around = self.effort.refine.saturating_sub(2);
-            let mut points = vec![centre.clone(); self.effort.refine - around];
+            let mut middle = theta;
+            middle.push(beside(0.0));
+            let mut points = vec![middle; self.effort.refine - around];
             points.extend(fill_box(&axes, &low, &high, around, seed));
             for (k, point) in points.into_iter().enumerate() {
                 let filling = self.runs.filling(Stage::Refine, k);
                 let Some((s, theta)) = point.split_last() else { continue };
-                let rig = rig_with(&self.setup.rig, &self.setup.axes, theta, (effect, *s), filling)?;
+                let rig =
+                    rig_with(&self.setup.rig, &self.setup.axes, theta, (effect, *s), filling)?;
                 rigs.push((format!("{} = {s:.4}", effect.path), rig));
                 places.push((effect.path.clone(), point));
             }

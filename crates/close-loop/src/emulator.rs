@@ -86,8 +86,7 @@ impl Emulator {
         if samples.len() < 2 {
             return Err(CalibError::TooFewRuns { runs: samples.len(), terms: 1, needed: 2 });
         }
-        let coded: Vec<Vec<f64>> =
-            samples.iter().map(|s| code(&axes, &centre, &s.at)).collect();
+        let coded: Vec<Vec<f64>> = samples.iter().map(|s| code(&axes, &centre, &s.at)).collect();
         let rows: Vec<Vec<f64>> = coded.iter().map(|z| terms(z)).collect();
         let remainder: Vec<f64> = coded.iter().map(|z| remainder(z).powi(2)).collect();
         let frames: Vec<[[f64; 4]; 4]> = (0..knots.len())
@@ -111,10 +110,8 @@ impl Emulator {
             for (k, frame) in frames.iter().enumerate() {
                 let mut four = Vec::with_capacity(4);
                 for r in 0..4 {
-                    let noise: Vec<f64> = remainder
-                        .iter()
-                        .map(|m| inflation * frame[r][r].max(1e-8) + m)
-                        .collect();
+                    let noise: Vec<f64> =
+                        remainder.iter().map(|m| inflation * frame[r][r].max(1e-8) + m).collect();
                     let y: Vec<f64> = samples.iter().map(|s| s.mean[k][r]).collect();
                     let fit = regress(&rows, &y, &noise, axes.len())?;
                     for (i, row) in rows.iter().enumerate() {
@@ -223,10 +220,7 @@ impl Simulator for Emulator {
 
     fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
         if theta.len() != self.axes.len() {
-            return Err(CalibError::Parameters {
-                expected: self.axes.len(),
-                given: theta.len(),
-            });
+            return Err(CalibError::Parameters { expected: self.axes.len(), given: theta.len() });
         }
         Ok(self.spread(speeds_rpm, &self.moments(theta)))
     }

@@ -4,7 +4,9 @@
 #[derive(Debug, thiserror::Error)]
 pub enum CloseLoopError {
     /// The case does not ask for our own simulation.
-    #[error("the case `{case}` has no [simulator] rig = {{}}: expected one, since effects are simulated")]
+    #[error(
+        "the case `{case}` has no [simulator] rig = {{}}: expected one, since effects are simulated"
+    )]
     NoRig {
         /// Name of the case.
         case: String,
@@ -24,7 +26,9 @@ pub enum CloseLoopError {
         path: String,
     },
     /// An uncertain known that cannot be carried.
-    #[error("`{path}` is marginalised but cannot be: expected one of the measuring parameters or a parameter of physics or camera")]
+    #[error(
+        "`{path}` is marginalised but cannot be: expected one of the measuring parameters or a parameter of physics or camera"
+    )]
     Nuisance {
         /// Path.
         path: String,
@@ -40,7 +44,9 @@ pub enum CloseLoopError {
         first: String,
     },
     /// More speeds are fitted than there is budget for.
-    #[error("a budget of {runs} runs is too small: at least {least} are needed for {free} free parameters and {effects} effects")]
+    #[error(
+        "a budget of {runs} runs is too small: at least {least} are needed for {free} free parameters and {effects} effects"
+    )]
     Budget {
         /// Runs allowed.
         runs: usize,

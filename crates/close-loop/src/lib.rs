@@ -20,6 +20,7 @@ mod plan;
 mod runs;
 mod scale;
 mod speeds;
+mod table;
 
 pub use catalogue::{Catalogue, Effect, Needs};
 pub use curve::{Change, Curve};
@@ -29,6 +30,7 @@ pub use error::CloseLoopError;
 pub use outcome::{Errors, Outcome, Point, ResponseErrors, Side, StrengthOf};
 pub use plan::{Effort, LoopSettings};
 pub use scale::Scale;
+pub use table::close_with_table;
 
 /// The examples of the README, compiled.
 #[doc = include_str!("../README.md")]

@@ -29,14 +29,17 @@ pub struct LoopSettings {
 
 impl Default for LoopSettings {
     fn default() -> Self {
-        let attribution = AttributionSettings { bootstrap: 499, stability_bootstrap: 99, ..AttributionSettings::default() };
+        let attribution = AttributionSettings {
+            bootstrap: 499,
+            stability_bootstrap: 99,
+            ..AttributionSettings::default()
+        };
         Self { runs: None, most_speeds: 6, seed: 1, attribution }
     }
 }
 
 /// How many runs each stage makes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[derive(serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Effort {
     /// Over the whole range of the free parameters.
     pub base: usize,
@@ -55,6 +58,11 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// No runs at all.
+    pub(crate) fn nothing() -> Self {
+        Self { base: 0, zoom: 0, replicates: 0, probes: 0, refine: 0, short_list: 0, confirm: 0 }
+    }
+
     /// Runs that a plan takes at most, for `effects` that are simulated.
     pub fn total(self, effects: usize) -> usize {
         self.base
@@ -227,7 +235,10 @@ mod tests {
                         continue;
                     };
                     assert!(plan.total(effects) <= runs, "{plan:?}");
-                    assert!(plan.total(effects) + 2 * effects + 20 >= runs.min(300), "{runs} {plan:?}");
+                    assert!(
+                        plan.total(effects) + 2 * effects + 20 >= runs.min(300),
+                        "{runs} {plan:?}"
+                    );
                 }
             }
         }

@@ -347,6 +347,9 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             _ => None,
         };
         let mut state = state;
+        if !I::REMEMBERS {
+            state.bodies.linear_memory = Vec::new();
+        }
         state.walls = walls
             .iter()
             .map(|w| MotionState { motion: w.motion, ..MotionState::default() })

@@ -1,272 +1,370 @@
 //! The stage of contact forces: kernels over the lists, and sums by sphere.
 //!
-//! Every contact writes its wrench to its own place; spheres then sum theirs in the order of the
-//! list. So any number of threads gives the same bits.
-
-use glam::DVec3;
+//! Every contact writes its wrench to its own place; spheres then sum theirs in a fixed order. So
+//! any number of threads gives the same bits.
 
 use crate::contact::model::ContactLaw;
-use crate::forces::{Contacts, Late, MemoryRun};
+use crate::forces::{ChunkYield, Contacts, Late, MemoryRun};
+use crate::geometry::Nearest;
 use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
-use crate::simd::{Level, PairKernel, Run};
-use crate::step::CHUNK;
-use crate::threads::for_each_chunk;
+use crate::simd::{Level, PairKernel, Run, WallRun};
+use crate::threads::{Stage, Team, cut};
 use crate::world::{Make, Members, Scratch, Wrenches};
 
-pub(crate) fn touching_pairs<M: ContactLaw>(
+/// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
+pub(crate) const CHUNK: usize = 256;
+
+/// Compute all contacts; near pairs in action end in `s.wrenches.late`.
+pub(crate) fn all_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
-    threads: usize,
-    pairs: &mut PairList,
-    s: &mut Scratch,
-) {
-    let n = pairs.touching;
-    for v in [
-        &mut s.wrenches.pair_force,
-        &mut s.wrenches.pair_torque_first,
-        &mut s.wrenches.pair_torque_second,
-    ] {
-        v.resize(pairs.near_begin, Record::default());
-    }
-    s.pair_yield.resize_with(n.div_ceil(CHUNK), Default::default);
-    let slots = pairs.slots;
-    let (first, second) = (&pairs.first, &pairs.second);
-    for_each_chunk!(threads, |c|
-    active in pairs.active[..pairs.near_begin], CHUNK;
-    numbers in pairs.memory, CHUNK * slots;
-    force in s.wrenches.pair_force, CHUNK;
-    torque_first in s.wrenches.pair_torque_first, CHUNK;
-    torque_second in s.wrenches.pair_torque_second, CHUNK;
-    result in s.pair_yield, 1
-    => {
-        let into = &mut result[0];
-        into.reset();
-        let begin = c * CHUNK;
-        let count = active.len().min(n - begin);
-        if let Some((level, kernel)) = vector {
-            let end = begin + active.len();
-            let (first, second) = (&first[begin..end], &second[begin..end]);
-            let mut run = Run {
-                pairs: count, first, second, active, memory: numbers, force, torque_first, torque_second };
-            kernel.touching(level, &mut run, into);
-        } else {
-            let mut memory = MemoryRun { slots, numbers };
-            for k in 0..count {
-                let p = begin + k;
-                let wrench = context
-                    .pair(first[p], second[p], k, &mut active[k], &mut memory, into)
-                    .unwrap_or_default();
-                force[k].set(wrench.force);
-                torque_first[k].set(wrench.torque_on_first);
-                torque_second[k].set(wrench.torque_on_second);
-            }
-        }
-    });
-}
-
-pub(crate) fn near_pairs<M: ContactLaw>(
-    context: &Contacts<'_, M>,
-    vector: Option<(Level, &PairKernel<'_>)>,
-    threads: usize,
-    pairs: &mut PairList,
-    s: &mut Scratch,
-) {
-    let (begin, slots) = (pairs.near_begin, pairs.slots);
-    let n = pairs.near().len();
-    s.near_yield.resize_with(n.div_ceil(CHUNK), Default::default);
-    let (first, second) = (&pairs.first[begin..], &pairs.second[begin..]);
-    debug_assert_eq!(begin % LANES, 0);
-    let numbers = &mut pairs.memory[begin * slots..];
-    for_each_chunk!(threads, |c|
-    active in pairs.active[begin..], CHUNK;
-    numbers in numbers, CHUNK * slots;
-    result in s.near_yield, 1
-    => {
-        let into = &mut result[0];
-        into.reset();
-        let begin = c * CHUNK;
-        let (first, second) = (&first[begin..], &second[begin..]);
-        let mut memory = MemoryRun { slots, numbers };
-        let mut look = |k: usize, active: &mut u8| {
-            let (a, b) = (first[k], second[k]);
-            if let Some(wrench) = context.pair(a, b, k, active, &mut memory, into) {
-                into.late.push(Late { first: a, second: b, wrench });
-            }
-        };
-        // The vector kernel passes over blocks in which nothing touches or touched.
-        let blocks = if vector.is_some() { active.len() / LANES } else { 0 };
-        for (block, active) in active.chunks_mut(LANES).enumerate() {
-            let k = block * LANES;
-            let mut touch = u8::MAX;
-            if let (Some((level, kernel)), true) = (vector, block < blocks)
-                && let (Some(f), Some(s)) = (first[k..].first_chunk(), second[k..].first_chunk())
-            {
-                touch = kernel.touch(level, f, s);
-            }
-            for (lane, active) in active.iter_mut().enumerate() {
-                if touch >> lane & 1 != 0 || *active != 0 {
-                    look(k + lane, active);
-                }
-            }
-        }
-    });
-}
-
-pub(crate) fn wall_contacts<M: ContactLaw>(
-    context: &Contacts<'_, M>,
+    team: &Team,
     make: &Make<M>,
-    threads: usize,
+    pairs: &mut PairList,
     walls: &mut WallList,
     s: &mut Scratch,
 ) {
-    let (n, slots) = (walls.len(), walls.slots);
-    for v in [
-        &mut s.wrenches.wall_force,
-        &mut s.wrenches.wall_torque,
-        &mut s.wrenches.wall_torque_on_wall,
-    ] {
-        v.resize(n, Record::default());
+    let (touching, near_begin, slots) = (pairs.touching, pairs.near_begin, pairs.slots);
+    let (near, entries) = (pairs.near().len(), walls.len());
+    debug_assert_eq!(near_begin % LANES, 0);
+    let w = &mut s.wrenches;
+    for v in [&mut w.pair_force, &mut w.pair_torque_first, &mut w.pair_torque_second] {
+        v.resize(near_begin, Record::default());
     }
-    s.wall_yield.resize_with(n.div_ceil(CHUNK), Default::default);
-    #[cfg(feature = "mesh")]
-    if walls.facets.is_empty() {
-        s.mesh_nearest.clear();
-    } else {
-        let position = context.spheres.position;
-        let nearest = &mut s.mesh_nearest;
-        crate::mesh_contacts::assign(
-            &make.walls,
-            context.walls,
-            position,
-            make.range,
-            walls,
-            nearest,
-        );
+    for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
+        v.resize(entries, Record::default());
     }
-    #[cfg(not(feature = "mesh"))]
-    let _ = make;
-    let contact_only = context.gap_forces.is_empty();
-    let mesh_nearest = &s.mesh_nearest;
-    let (sphere, wall) = (&walls.sphere, &walls.wall);
-    for_each_chunk!(threads, |c|
-    active in walls.active, CHUNK;
-    numbers in walls.memory, CHUNK * slots;
-    force in s.wrenches.wall_force, CHUNK;
-    torque in s.wrenches.wall_torque, CHUNK;
-    on_wall in s.wrenches.wall_torque_on_wall, CHUNK;
-    result in s.wall_yield, 1
-    => {
-        let into = &mut result[0];
-        into.reset();
-        let mut memory = MemoryRun { slots, numbers };
-        for k in 0..active.len() {
-            let e = c * CHUNK + k;
-            let (a, w) = (sphere[e], wall[e]);
-            let centre = &context.spheres.position[a as usize];
-            let (x, placed) = (centre.vector(), &context.walls[w as usize]);
-            if active[k] == 0 && contact_only && placed.misses(x, centre.w) {
-                force[k] = Record::default();
-                torque[k] = Record::default();
-                on_wall[k] = Record::default();
-                continue;
-            }
-            let analytic = placed.nearest(x);
-            let nearest = analytic.or_else(|| mesh_nearest.get(e).copied().flatten());
-            let wrench = nearest
-                .and_then(|n| context.wall(a, w, &n, k, &mut active[k], &mut memory, into))
-                .unwrap_or_default();
-            force[k].set(wrench.force);
-            torque[k].set(wrench.torque_on_first);
-            on_wall[k].set(wrench.torque_on_second);
+    s.pair_yield.resize_with(touching.div_ceil(CHUNK), Default::default);
+    s.near_yield.resize_with(near.div_ceil(CHUNK), Default::default);
+    s.wall_yield.resize_with(entries.div_ceil(CHUNK), Default::default);
+    place_on_meshes(context, make, walls, &mut s.mesh_nearest);
+
+    let (active, near_active) = pairs.active.split_at_mut(near_begin);
+    let (memory, near_memory) = pairs.memory.split_at_mut(near_begin * slots);
+    let (first, second) = (&pairs.first[..], &pairs.second[..]);
+    let touching_stage = Stage {
+        count: touching.div_ceil(CHUNK),
+        parts: (
+            cut(active, CHUNK),
+            cut(memory, CHUNK * slots),
+            cut(&mut w.pair_force, CHUNK),
+            cut(&mut w.pair_torque_first, CHUNK),
+            cut(&mut w.pair_torque_second, CHUNK),
+            cut(&mut s.pair_yield, 1),
+        ),
+        work: |c, parts: PairParts<'_>| {
+            let begin = c * CHUNK;
+            let end = begin + parts.0.len();
+            let pairs = parts.0.len().min(touching - begin);
+            let (first, second) = (&first[begin..end], &second[begin..end]);
+            touching_pairs(context, vector, pairs, slots, first, second, parts);
+        },
+    };
+    let near_stage = Stage {
+        count: near.div_ceil(CHUNK),
+        parts: (
+            cut(near_active, CHUNK),
+            cut(near_memory, CHUNK * slots),
+            cut(&mut s.near_yield, 1),
+        ),
+        work: |c, (active, numbers, into): (&mut [u8], &mut [f64], &mut [ChunkYield])| {
+            let begin = near_begin + c * CHUNK;
+            let (first, second) = (&first[begin..], &second[begin..]);
+            let memory = MemoryRun { slots, numbers };
+            near_pairs(context, vector, first, second, active, memory, &mut into[0]);
+        },
+    };
+    let (sphere, wall, nearest) = (&walls.sphere[..], &walls.wall[..], &s.mesh_nearest[..]);
+    let wall_stage = Stage {
+        count: entries.div_ceil(CHUNK),
+        parts: (
+            cut(&mut walls.active, CHUNK),
+            cut(&mut walls.memory, CHUNK * slots),
+            cut(&mut w.wall_force, CHUNK),
+            cut(&mut w.wall_torque, CHUNK),
+            cut(&mut w.wall_torque_on_wall, CHUNK),
+            cut(&mut s.wall_yield, 1),
+        ),
+        work: |c, parts: PairParts<'_>| {
+            let begin = c * CHUNK;
+            let end = begin + parts.0.len();
+            let nearest = nearest.get(begin..end).unwrap_or_default();
+            let (sphere, wall) = (&sphere[begin..end], &wall[begin..end]);
+            wall_contacts(context, vector, slots, sphere, wall, nearest, parts);
+        },
+    };
+    team.run(&[&touching_stage, &near_stage, &wall_stage]);
+    sort_late(s, context.spheres.position.len());
+}
+
+/// One chunk of contacts: marks, memory, three wrenches, what it yields.
+type PairParts<'a> = (
+    &'a mut [u8],
+    &'a mut [f64],
+    &'a mut [Record],
+    &'a mut [Record],
+    &'a mut [Record],
+    &'a mut [ChunkYield],
+);
+
+fn touching_pairs<M: ContactLaw>(
+    context: &Contacts<'_, M>,
+    vector: Option<(Level, &PairKernel<'_>)>,
+    pairs: usize,
+    slots: usize,
+    first: &[u32],
+    second: &[u32],
+    (active, numbers, force, torque_first, torque_second, into): PairParts<'_>,
+) {
+    let into = &mut into[0];
+    into.reset();
+    if let Some((level, kernel)) = vector {
+        let mut run = Run {
+            pairs,
+            first,
+            second,
+            active,
+            memory: numbers,
+            force,
+            torque_first,
+            torque_second,
+        };
+        kernel.touching(level, &mut run, into);
+        return;
+    }
+    let mut memory = MemoryRun { slots, numbers };
+    for k in 0..pairs {
+        let wrench = context
+            .pair(first[k], second[k], k, &mut active[k], &mut memory, into)
+            .unwrap_or_default();
+        force[k].set(wrench.force);
+        torque_first[k].set(wrench.torque_on_first);
+        torque_second[k].set(wrench.torque_on_second);
+    }
+}
+
+fn near_pairs<M: ContactLaw>(
+    context: &Contacts<'_, M>,
+    vector: Option<(Level, &PairKernel<'_>)>,
+    first: &[u32],
+    second: &[u32],
+    active: &mut [u8],
+    mut memory: MemoryRun<'_>,
+    into: &mut ChunkYield,
+) {
+    into.reset();
+    let mut look = |k: usize, active: &mut u8| {
+        let (a, b) = (first[k], second[k]);
+        if let Some(wrench) = context.pair(a, b, k, active, &mut memory, into) {
+            into.late.push(Late { first: a, second: b, wrench });
         }
-    });
-}
-
-/// Add the wrenches of near pairs to their spheres, in the order of the list.
-pub(crate) fn sum_late(s: &mut Scratch, spheres: usize) {
-    for v in [&mut s.sum_force, &mut s.sum_torque] {
-        v.clear();
-        v.resize(spheres, Record::default());
-    }
-    s.wrenches.late.clear();
-    for late in s.near_yield.iter().flat_map(|chunk| &chunk.late) {
-        let (a, b) = (late.first as usize, late.second as usize);
-        s.sum_force[a].add(late.wrench.force);
-        s.sum_torque[a].add(late.wrench.torque_on_first);
-        s.sum_force[b].add(-late.wrench.force);
-        s.sum_torque[b].add(late.wrench.torque_on_second);
-        s.wrenches.late.push(*late);
-    }
-}
-
-/// Add the wrenches of touching pairs and walls, in the order of the lists: what `Collect` does
-/// sphere by sphere for several threads, here contact by contact and without a branch.
-pub(crate) fn sum_all(pairs: &PairList, walls: &WallList, s: &mut Scratch) {
-    let w = &s.wrenches;
-    let (force, torque) = (&mut s.sum_force[..], &mut s.sum_torque[..]);
-    let places = pairs.first[..pairs.touching].iter().zip(&pairs.second);
-    let wrenches = w.pair_force.iter().zip(&w.pair_torque_first).zip(&w.pair_torque_second);
-    for ((&a, &b), ((f, ta), tb)) in places.zip(wrenches) {
-        let (a, b) = (a as usize, b as usize);
-        force[a] = force[a].plus(f);
-        torque[a] = torque[a].plus(ta);
-        force[b] = force[b].minus(f);
-        torque[b] = torque[b].plus(tb);
-    }
-    for ((&k, f), t) in walls.sphere.iter().zip(&w.wall_force).zip(&w.wall_torque) {
-        force[k as usize] = force[k as usize].plus(f);
-        torque[k as usize] = torque[k as usize].plus(t);
+    };
+    // The vector kernel passes over blocks in which nothing touches or touched.
+    let blocks = if vector.is_some() { active.len() / LANES } else { 0 };
+    for (block, active) in active.chunks_mut(LANES).enumerate() {
+        let k = block * LANES;
+        let mut touch = u8::MAX;
+        if let (Some((level, kernel)), true) = (vector, block < blocks)
+            && let (Some(f), Some(s)) = (first[k..].first_chunk(), second[k..].first_chunk())
+        {
+            touch = kernel.touch(level, f, s);
+        }
+        for (lane, active) in active.iter_mut().enumerate() {
+            if touch >> lane & 1 != 0 || *active != 0 {
+                look(k + lane, active);
+            }
+        }
     }
 }
 
-/// Where a sphere finds the wrenches that act on it.
+/// Find the nearest points of meshes.
+fn place_on_meshes<M: ContactLaw>(
+    context: &Contacts<'_, M>,
+    make: &Make<M>,
+    walls: &mut WallList,
+    nearest: &mut Vec<Option<Nearest>>,
+) {
+    #[cfg(feature = "mesh")]
+    if !walls.facets.is_empty() {
+        let position = context.spheres.position;
+        let range = make.range;
+        crate::mesh_contacts::assign(&make.walls, context.walls, position, range, walls, nearest);
+        return;
+    }
+    let _ = (context, make, walls);
+    nearest.clear();
+}
+
+fn wall_contacts<M: ContactLaw>(
+    context: &Contacts<'_, M>,
+    vector: Option<(Level, &PairKernel<'_>)>,
+    slots: usize,
+    sphere: &[u32],
+    wall: &[u16],
+    mesh_nearest: &[Option<Nearest>],
+    (active, numbers, force, torque, on_wall, into): PairParts<'_>,
+) {
+    let into = &mut into[0];
+    into.reset();
+    if let (Some((level, kernel)), true) = (vector, mesh_nearest.is_empty()) {
+        let walls = context.walls;
+        let mut run =
+            WallRun { walls, sphere, wall, active, memory: numbers, force, torque, on_wall };
+        kernel.wall_contacts(level, &mut run, into);
+        return;
+    }
+    let contact_only = context.gap_forces.is_empty();
+    let mut memory = MemoryRun { slots, numbers };
+    for k in 0..active.len() {
+        let (a, w) = (sphere[k], wall[k]);
+        let centre = &context.spheres.position[a as usize];
+        let (x, placed) = (centre.vector(), &context.walls[w as usize]);
+        if active[k] == 0 && contact_only && placed.misses(x, centre.w) {
+            force[k] = Record::default();
+            torque[k] = Record::default();
+            on_wall[k] = Record::default();
+            continue;
+        }
+        let analytic = placed.nearest(x);
+        let nearest = analytic.or_else(|| mesh_nearest.get(k).copied().flatten());
+        let wrench = nearest
+            .and_then(|n| context.wall(a, w, &n, k, &mut active[k], &mut memory, into))
+            .unwrap_or_default();
+        force[k].set(wrench.force);
+        torque[k].set(wrench.torque_on_first);
+        on_wall[k].set(wrench.torque_on_second);
+    }
+}
+
+/// Spheres whose forces are summed at once.
+pub(crate) const PIECE: usize = 64;
+
+/// Collect the near pairs in action, and sort their ends by pieces of spheres: the place in
+/// `late`, twice, plus one for the second sphere.
+fn sort_late(s: &mut Scratch, spheres: usize) {
+    let late = &mut s.wrenches.late;
+    late.clear();
+    for chunk in &s.near_yield {
+        late.extend_from_slice(&chunk.late);
+    }
+    let start = &mut s.late_start;
+    start.clear();
+    start.resize(spheres / PIECE + 2, 0);
+    let ends = |l: &Late| [l.first as usize / PIECE, l.second as usize / PIECE];
+    for piece in late.iter().flat_map(ends) {
+        start[piece + 1] += 1;
+    }
+    for piece in 1..start.len() {
+        start[piece] += start[piece - 1];
+    }
+    s.late_ends.resize(2 * late.len(), 0);
+    for (k, l) in late.iter().enumerate() {
+        for (role, piece) in ends(l).into_iter().enumerate() {
+            s.late_ends[start[piece] as usize] = (2 * k + role) as u32;
+            start[piece] += 1;
+        }
+    }
+    // Each entry now holds its piece's end, which is the next one's beginning.
+    start.pop();
+    start.insert(0, 0);
+}
+
+/// Where spheres find the wrenches that act on them.
+#[derive(Clone, Copy)]
 pub(crate) struct Collect<'a> {
     pub(crate) pairs: &'a PairList,
     pub(crate) walls: &'a WallList,
     pub(crate) w: &'a Wrenches,
-    pub(crate) sum_force: &'a [Record],
-    pub(crate) sum_torque: &'a [Record],
-    /// The sums are complete already.
-    pub(crate) complete: bool,
+    pub(crate) late_start: &'a [u32],
+    pub(crate) late_ends: &'a [u32],
+}
+
+/// Forces and torques on up to `PIECE` spheres (or bodies).
+pub(crate) struct Sums {
+    pub(crate) force: [Record; PIECE],
+    pub(crate) torque: [Record; PIECE],
+}
+
+impl Sums {
+    pub(crate) const ZERO: Self =
+        Self { force: [Record::ZERO; PIECE], torque: [Record::ZERO; PIECE] };
+
+    fn clear(&mut self, count: usize) {
+        self.force[..count].fill(Record::ZERO);
+        self.torque[..count].fill(Record::ZERO);
+    }
 }
 
 impl Collect<'_> {
-    /// Force and torque on a sphere, always summed in the same order.
+    /// Forces and torques on the spheres from `begin` to `end`, at most a piece.
+    ///
+    /// The order of summation for a sphere is always the same: near pairs, touching pairs in
+    /// which it is the first, those in which it is the second, walls. The loops run over contacts
+    /// and have no branch.
     #[inline(always)]
-    pub(crate) fn sphere(&self, k: usize) -> (DVec3, DVec3) {
-        let (p, w) = (self.pairs, self.w);
-        let (mut force, mut torque) = (self.sum_force[k], self.sum_torque[k]);
-        if self.complete {
-            return (force.vector(), torque.vector());
+    pub(crate) fn spheres(&self, begin: usize, end: usize, sums: &mut Sums) {
+        sums.clear(end - begin);
+        if begin == end {
+            return;
         }
-        for &end in &p.ends[p.ends_start[k] as usize..p.ends_start[k + 1] as usize] {
-            let pair = (end / 2) as usize;
-            if end & 1 == 0 {
-                force = force.plus(&w.pair_force[pair]);
-                torque = torque.plus(&w.pair_torque_first[pair]);
+        let Sums { force, torque } = sums;
+        let (p, w) = (self.pairs, self.w);
+        let place = |sphere: u32| (sphere as usize).wrapping_sub(begin) % PIECE;
+        let pieces = begin / PIECE..(end - 1) / PIECE + 1;
+        let late = self.late_start[pieces.start] as usize..self.late_start[pieces.end] as usize;
+        for &l in &self.late_ends[late] {
+            let late = &w.late[(l / 2) as usize];
+            let (sphere, f, t) = if l & 1 == 0 {
+                (late.first, late.wrench.force, late.wrench.torque_on_first)
             } else {
-                force = force.minus(&w.pair_force[pair]);
-                torque = torque.plus(&w.pair_torque_second[pair]);
+                (late.second, -late.wrench.force, late.wrench.torque_on_second)
+            };
+            if (begin..end).contains(&(sphere as usize)) {
+                force[place(sphere)].add(f);
+                torque[place(sphere)].add(t);
             }
         }
-        let entries = self.walls.start[k] as usize..self.walls.start[k + 1] as usize;
-        for (f, t) in w.wall_force[entries.clone()].iter().zip(&w.wall_torque[entries]) {
-            force = force.plus(f);
-            torque = torque.plus(t);
+        let own = p.touching_start[begin] as usize..p.touching_start[end] as usize;
+        let wrenches = w.pair_force[own.clone()].iter().zip(&w.pair_torque_first[own.clone()]);
+        for (&a, (f, t)) in p.first[own].iter().zip(wrenches) {
+            let k = place(a);
+            force[k] = force[k].plus(f);
+            torque[k] = torque[k].plus(t);
         }
-        (force.vector(), torque.vector())
+        let own = p.second_start[begin] as usize..p.second_start[end] as usize;
+        for &pair in &p.by_second[own] {
+            let pair = pair as usize;
+            let k = place(p.second[pair]);
+            force[k] = force[k].minus(&w.pair_force[pair]);
+            torque[k] = torque[k].plus(&w.pair_torque_second[pair]);
+        }
+        let own = self.walls.start[begin] as usize..self.walls.start[end] as usize;
+        let wrenches = w.wall_force[own.clone()].iter().zip(&w.wall_torque[own.clone()]);
+        for (&a, (f, t)) in self.walls.sphere[own].iter().zip(wrenches) {
+            let k = place(a);
+            force[k] = force[k].plus(f);
+            torque[k] = torque[k].plus(t);
+        }
     }
 
-    /// Force and torque about the centre of a body of several spheres.
-    pub(crate) fn body(&self, m: &Members, k: usize) -> (DVec3, DVec3) {
-        let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
-        for sphere in m.first[k] as usize..m.first[k + 1] as usize {
-            let (f, t) = self.sphere(sphere);
-            force += f;
-            torque += t + m.arm[sphere].vector().cross(f);
+    /// Forces and torques about their centres on the bodies of several spheres from `begin` to
+    /// `end`, at most a piece.
+    pub(crate) fn bodies(&self, m: &Members, begin: usize, end: usize, sums: &mut Sums) {
+        sums.clear(end - begin);
+        let mut own = Sums::ZERO;
+        let (mut next, last) = (m.first[begin] as usize, m.first[end] as usize);
+        while next < last {
+            let stop = (next + PIECE).min(last);
+            self.spheres(next, stop, &mut own);
+            for sphere in next..stop {
+                let k = m.body[sphere] as usize - begin;
+                let (f, t) = (&own.force[sphere - next], &own.torque[sphere - next]);
+                sums.force[k].add(f.vector());
+                sums.torque[k].add(t.vector() + m.arm[sphere].vector().cross(f.vector()));
+            }
+            next = stop;
         }
-        (force, torque)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A [`world::World`] holds particles, walls and one contact law for each pair of materials, and
 //! advances them step by step. It does no input or output and depends on nothing but a vector
-//! type and a thread pool. The same input gives the same bits for any number of threads, with or
+//! type. The same input gives the same bits for any number of threads, with or
 //! without observers, across a stop and restart.
 //!
 //! ```
@@ -42,6 +42,7 @@
 pub use glam;
 
 pub mod body_force;
+mod body_stage;
 pub mod builder;
 pub mod contact;
 mod contact_stage;

@@ -12,15 +12,21 @@ use crate::error::Error;
 use crate::geometry::{PlacedWall, Pose};
 use crate::integrate::Integrator;
 use crate::neighbour::Period;
-use crate::neighbour::verlet_list::Found;
-use crate::particles::Record;
-use crate::world::{SPHERE, World};
+use crate::neighbour::cell_list::CellList;
+use crate::neighbour::verlet_list::{Found, LANES};
+use crate::particles::{Bodies, Record};
+use crate::simd::{Level, widened};
+use crate::threads::cut;
+use crate::world::{Members, SPHERE, World};
 
 /// Lists between two re-sortings of the bodies in memory.
 const BUILDS_PER_SORT: u64 = 16;
 
 /// Share of the skin up to which a gap counts as touching when the list is made.
 const TOUCHING_MARGIN: f64 = 0.02;
+
+/// Bodies whose partners are searched in one chunk of work.
+const SEARCH: usize = 512;
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Make the list anew.
@@ -43,9 +49,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (state, s) = (&mut self.state, &mut self.scratch);
         std::mem::swap(&mut state.pairs, &mut s.old_pairs);
         std::mem::swap(&mut state.wall_list, &mut s.old_walls);
+        // The old list is only read for what its contacts remember: one such index is enough.
+        std::mem::swap(&mut state.pairs.by_second, &mut s.old_pairs.by_second);
+        std::mem::swap(&mut state.pairs.second_start, &mut s.old_pairs.second_start);
         let old_place = sorted.then_some(&s.old_sphere_place[..]);
-        let want_ends = self.team.threads() > 1;
-        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place, want_ends);
+        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place);
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         state.list.reference.clone_from(&state.bodies.position);
@@ -143,7 +151,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let s = &mut self.scratch;
         s.cells.sort(&self.state.bodies.position, range, self.make.period);
         s.order.clone_from(&s.cells.order);
-        self.state.bodies.permute(&s.order, &mut s.records);
+        // The search sorts anew afterwards, so its positions lend their memory.
+        self.state.bodies.permute(&s.order, &mut s.cells.sorted);
         // The reference goes with the bodies: it is read once more before it is renewed.
         let had_members = !self.state.members.body.is_empty();
         if !clumps {
@@ -199,39 +208,29 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Find all pairs of spheres in reach of each other.
     fn find_pairs(&mut self) {
         let range = self.make.skin + self.make.range;
-        let margin = TOUCHING_MARGIN * self.make.skin;
-        let (period, clumps) = (self.make.period, self.has_clumps());
-        let (b, m, s) = (&self.state.bodies, &self.state.members, &mut self.scratch);
-        s.cells.sort(&b.position, range, period);
-        s.found.clear();
-        let (cells, found) = (&s.cells, &mut s.found);
-        let mut keep = |i: u32, j: u32, ids: &[u32], pi: &Record, pj: &Record| {
-            let d = Period::shortest(period, pj.vector() - pi.vector()).length_squared();
-            let touching = pi.w + pj.w;
-            if d < (touching + range).powi(2) {
-                let (first, second) =
-                    if ids[i as usize] < ids[j as usize] { (i, j) } else { (j, i) };
-                found.push(Found { first, second, touching: d < (touching + margin).powi(2) });
-            }
+        let (period, level) = (self.make.period, self.make.level);
+        let s = &mut self.scratch;
+        s.cells.sort(&self.state.bodies.position, range, period);
+        let search = Search {
+            cells: &s.cells,
+            bodies: &self.state.bodies,
+            members: self.make.shapes.first().map(|_| &self.state.members),
+            range,
+            margin: TOUCHING_MARGIN * self.make.skin,
+            period,
+            level,
         };
-        cells.for_each_candidate(0..b.len(), range, period, |k, row| {
-            let (i, pi) = (cells.order[k], &cells.sorted[k]);
-            for other in row {
-                let (j, pj) = (cells.order[other], &cells.sorted[other]);
-                if !clumps {
-                    keep(i, j, &b.id, pi, pj);
-                    continue;
-                }
-                let d = Period::shortest(period, pj.vector() - pi.vector()).length_squared();
-                if d >= (pi.w + pj.w + range).powi(2) {
-                    continue;
-                }
-                for s in m.first[i as usize]..m.first[i as usize + 1] {
-                    for t in m.first[j as usize]..m.first[j as usize + 1] {
-                        keep(s, t, &m.id, &m.position[s as usize], &m.position[t as usize]);
-                    }
-                }
-            }
+        let bodies = self.state.bodies.len();
+        let count = bodies.div_ceil(SEARCH);
+        s.found.resize_with(count, Vec::new);
+        self.team.each(count, cut(&mut s.found, 1), |c, found| {
+            found[0].clear();
+            let places = c * SEARCH..((c + 1) * SEARCH).min(bodies);
+            widened(
+                level,
+                #[inline(always)]
+                || search.pairs_of(places, &mut found[0]),
+            );
         });
     }
 
@@ -245,6 +244,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         for (k, p) in position.iter().enumerate() {
             list.start.push(list.len() as u32);
             for (w, wall) in self.scratch.placed.iter().enumerate() {
+                if wall.misses(p.vector(), p.w + range) {
+                    continue;
+                }
                 if let Some(nearest) = wall.nearest(p.vector()) {
                     // A centre further behind the surface than its diameter is on the other side.
                     if nearest.distance < p.w + range && nearest.distance > -(p.w + range) {
@@ -269,6 +271,91 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let old_place = sorted.then_some(&self.scratch.old_sphere_place[..]);
         list.take_over(&self.scratch.old_walls, old_place);
         self.state.wall_list = list;
+    }
+}
+
+/// What the search for pairs reads.
+struct Search<'a> {
+    cells: &'a CellList,
+    bodies: &'a Bodies,
+    /// The spheres of clumps, if there are clumps.
+    members: Option<&'a Members>,
+    range: f64,
+    margin: f64,
+    period: Option<Period>,
+    level: Level,
+}
+
+impl Search<'_> {
+    /// Pairs of the bodies at these places with those behind them.
+    #[inline(always)]
+    fn pairs_of(&self, places: std::ops::Range<usize>, found: &mut Vec<Found>) {
+        let cells = self.cells;
+        cells.for_each_candidate(
+            places,
+            self.range,
+            self.period,
+            #[inline(always)]
+            |k, row| {
+                let (i, pi) = (cells.order[k], &cells.sorted[k]);
+                let mut look = |other: usize| {
+                    let (j, pj) = (cells.order[other], &cells.sorted[other]);
+                    match self.members {
+                        None => self.keep(i, j, &self.bodies.id, pi, pj, found),
+                        Some(m) => self.spheres_of(m, i, j, found),
+                    }
+                };
+                let mut begin = row.start;
+                while begin < row.end {
+                    let left = row.end - begin;
+                    let valid = if left >= LANES { u8::MAX } else { (1u8 << left) - 1 };
+                    let near = match self.period {
+                        None => {
+                            crate::simd::in_reach(self.level, pi, &cells.columns, begin, self.range)
+                        }
+                        Some(_) => (0..left.min(LANES)).fold(0, |bits, lane| {
+                            bits | u8::from(self.in_reach(pi, &cells.sorted[begin + lane])) << lane
+                        }),
+                    };
+                    let mut near = near & valid;
+                    while near != 0 {
+                        look(begin + near.trailing_zeros() as usize);
+                        near &= near - 1;
+                    }
+                    begin += LANES;
+                }
+            },
+        );
+    }
+
+    fn distance_squared(&self, a: &Record, b: &Record) -> f64 {
+        Period::shortest(self.period, b.vector() - a.vector()).length_squared()
+    }
+
+    fn in_reach(&self, a: &Record, b: &Record) -> bool {
+        self.distance_squared(a, b) < (a.w + b.w + self.range).powi(2)
+    }
+
+    /// Keep the pair of spheres `i` and `j`, which are in reach of each other.
+    #[inline(always)]
+    fn keep(&self, i: u32, j: u32, ids: &[u32], a: &Record, b: &Record, found: &mut Vec<Found>) {
+        let near = (a.w + b.w + self.margin).powi(2);
+        let touching = self.distance_squared(a, b) < near;
+        let (first, second) = if ids[i as usize] < ids[j as usize] { (i, j) } else { (j, i) };
+        found.push(Found { first, second, touching });
+    }
+
+    /// Look at the spheres of two bodies.
+    #[inline(never)]
+    fn spheres_of(&self, m: &Members, i: u32, j: u32, found: &mut Vec<Found>) {
+        for s in m.first[i as usize]..m.first[i as usize + 1] {
+            for t in m.first[j as usize]..m.first[j as usize + 1] {
+                let (a, b) = (&m.position[s as usize], &m.position[t as usize]);
+                if self.in_reach(a, b) {
+                    self.keep(s, t, &m.id, a, b, found);
+                }
+            }
+        }
     }
 }
 
@@ -312,6 +399,12 @@ impl Turn {
     #[inline(always)]
     pub(crate) fn image(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.translation
+    }
+
+    /// Columns of the rotation and the translation, as records.
+    pub(crate) fn columns(&self) -> [Record; 4] {
+        let r = &self.rotation;
+        [r.x_axis, r.y_axis, r.z_axis, self.translation].map(|v| Record::new(v, 0.0))
     }
 
     pub(crate) fn pose(&self) -> crate::geometry::Pose {

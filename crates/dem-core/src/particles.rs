@@ -65,6 +65,8 @@ pub(crate) struct Record {
 }
 
 impl Record {
+    pub(crate) const ZERO: Self = Self { x: 0.0, y: 0.0, z: 0.0, w: 0.0 };
+
     #[inline(always)]
     pub(crate) fn new(v: DVec3, w: f64) -> Self {
         Self { x: v.x, y: v.y, z: v.z, w }
@@ -102,6 +104,32 @@ impl Record {
     }
 }
 
+impl std::ops::Add for Record {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        self.plus(&o)
+    }
+}
+
+impl std::ops::Sub for Record {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        self.minus(&o)
+    }
+}
+
+impl std::ops::Mul<f64> for Record {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: f64) -> Self {
+        Self { x: self.x * s, y: self.y * s, z: self.z * s, w: self.w * s }
+    }
+}
+
+impl crate::integrate::Vector for Record {}
+
 /// State of all bodies in storage order.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -124,8 +152,8 @@ pub(crate) struct Bodies {
     pub(crate) mean_spin: Vec<Record>,
     /// Velocity that the last forces foretold for the end of the step, and charge.
     pub(crate) end_velocity: Vec<Record>,
-    /// What the integrator remembers of the translation and of the rotation (of a clump: its
-    /// angular momentum).
+    /// What the integrator remembers of the translation (empty if nothing) and of the rotation
+    /// (of a clump: its angular momentum).
     pub(crate) linear_memory: Vec<Record>,
     pub(crate) angular_memory: Vec<Record>,
     /// Place of each body, by its name.
@@ -181,6 +209,9 @@ impl Bodies {
             &mut self.linear_memory,
             &mut self.angular_memory,
         ] {
+            if v.is_empty() {
+                continue;
+            }
             scratch.clear();
             scratch.extend(order.iter().map(|&k| v[k as usize]));
             std::mem::swap(v, scratch);

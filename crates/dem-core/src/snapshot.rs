@@ -63,8 +63,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// The present state as a value.
     pub fn snapshot(&self) -> Snapshot {
         let mut state = self.state.clone();
-        // Made anew for the threads of the world that takes it back.
-        state.pairs.forget_ends();
+        // Made anew in the world that takes it back.
+        state.pairs.forget_second();
         Snapshot {
             make: self.fingerprint(),
             gravity: self.make.gravity,
@@ -97,9 +97,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         self.state.clone_from(&snapshot.state);
-        if self.team.threads() > 1 {
-            self.state.pairs.list_ends();
-        }
+        // A snapshot of a world with another integrator may hold no memory, or one too many.
+        let remembered = if I::REMEMBERS { self.state.bodies.len() } else { 0 };
+        self.state.bodies.linear_memory.resize(remembered, Record::default());
+        self.state.pairs.sort_by_second();
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;

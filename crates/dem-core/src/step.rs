@@ -2,20 +2,15 @@
 
 use glam::DVec3;
 
+use crate::body_stage::Halves;
 use crate::contact::model::ContactLaw;
-use crate::contact_stage::{Collect, near_pairs, sum_all, sum_late, touching_pairs, wall_contacts};
+use crate::contact_stage::all_contacts;
 use crate::energy::Flow;
 use crate::error::Error;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
 use crate::particles::Record;
-use crate::rigid::FreeRotation;
-use crate::simd::widened;
-use crate::threads::for_each_chunk;
-use crate::world::{BodyYield, Members, SPHERE, World, sphere_view};
-
-/// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
-pub(crate) const CHUNK: usize = 512;
+use crate::world::{SPHERE, World, sphere_view};
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Advance by `steps` time steps.
@@ -26,17 +21,25 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let team = self.team.clone();
         team.enter(|| {
             self.prepare()?;
-            for _ in 0..steps {
-                self.advance()?;
+            let mut drifted = None;
+            for left in (0..steps).rev() {
+                drifted = self.advance(drifted, left > 0)?;
             }
             Ok(())
         })
     }
 
-    /// One time step.
-    fn advance(&mut self) -> Result<(), Error> {
+    /// One time step. `drifted` says whether its first half was done already, and if so whether
+    /// bodies moved far in it; if `more` steps follow, that of the next one may be done here.
+    fn advance(&mut self, drifted: Option<bool>, more: bool) -> Result<Option<bool>, Error> {
         let dt = self.make.dt;
-        let moved_far = self.drift();
+        let moved_far = drifted.unwrap_or_else(|| {
+            let moved_far = self.move_bodies(Halves::Drift);
+            if self.has_clumps() {
+                self.turn_clumps();
+            }
+            moved_far
+        });
         self.state.step += 1;
         self.move_walls(dt);
         if moved_far || self.walls_moved_far() {
@@ -44,11 +47,16 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         self.place_members();
         self.contact_forces(dt);
-        self.kick(dt);
+        let overlaps = self.check_overlaps();
+        // A ledger and a fault look at the world between two steps.
+        if more && overlaps.is_ok() && !self.ledger_wanted && !self.has_clumps() {
+            return Ok(Some(self.move_bodies(Halves::KickAndDrift)));
+        }
+        self.move_bodies(Halves::Kick);
         if self.ledger_wanted {
             self.book(dt);
         }
-        self.check_overlaps()
+        overlaps.map(|()| None)
     }
 
     /// Bring lists, forces and accelerations in line with what was set from outside.
@@ -74,96 +82,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         self.place_members();
         self.contact_forces(0.0);
-        self.kick(0.0);
+        self.move_bodies(Halves::Sum);
         self.start_integrator();
         self.state.forces_stale = false;
         self.state.ledger.last = self.flow();
         self.check_overlaps()
-    }
-
-    /// First half of the step; returns whether the list may miss a pair now.
-    fn drift(&mut self) -> bool {
-        let threads = self.team.threads();
-        let (dt, integrator, level) = (self.make.dt, self.integrator, self.make.level);
-        let limit = (0.5 * self.make.skin).powi(2);
-        let frame = self.turn_since_list((self.state.step + 1) as f64 * dt);
-        let b = &mut self.state.bodies;
-        let n = b.len();
-        let chunks = &mut self.scratch.body_yield;
-        chunks.resize(n.div_ceil(CHUNK), BodyYield::default());
-        let (velocity, spin) = (&b.velocity, &b.spin);
-        let (acceleration, angular) = (&b.acceleration, &b.angular_acceleration);
-        let reference = &self.state.list.reference;
-        for_each_chunk!(threads, |c|
-        position in b.position, CHUNK;
-        mean_velocity in b.mean_velocity, CHUNK;
-        end_velocity in b.end_velocity, CHUNK;
-        mean_spin in b.mean_spin, CHUNK;
-        linear in b.linear_memory, CHUNK;
-        turn in b.angular_memory, CHUNK;
-        result in chunks, 1
-        => {
-            let begin = c * CHUNK;
-            result[0].moved_far = widened(level, #[inline(always)] || {
-                let mut moved_far = false;
-                for k in 0..position.len() {
-                    let g = begin + k;
-                    let mut memory = recall::<I>(&linear[k]);
-                    let (v, a) = (velocity[g].vector(), acceleration[g].vector());
-                    let d = integrator.drift(v, a, &mut memory, dt);
-                    remember::<I>(&mut linear[k], memory);
-                    position[k].add(d.mean_velocity * dt);
-                    mean_velocity[k].set(d.mean_velocity);
-                    end_velocity[k].set(d.end_velocity);
-                    // A clump has no single moment of inertia: it turns elsewhere.
-                    if spin[g].w > 0.0 {
-                        let mut memory = recall::<I>(&turn[k]);
-                        let (w, a) = (spin[g].vector(), angular[g].vector());
-                        let d = integrator.drift(w, a, &mut memory, dt);
-                        remember::<I>(&mut turn[k], memory);
-                        mean_spin[k].set(d.mean_velocity);
-                    }
-                    let moved = position[k].vector() - frame.image(reference[g].vector());
-                    let moved = moved.length_squared();
-                    moved_far |= moved > limit || moved.is_nan();
-                }
-                moved_far
-            });
-        });
-        if self.has_clumps() {
-            self.turn_clumps();
-        }
-        self.scratch.body_yield.iter().any(|y| y.moved_far)
-    }
-
-    /// Turn the clumps freely between two kicks.
-    fn turn_clumps(&mut self) {
-        let (dt, shapes) = (self.make.dt, &self.make.shapes);
-        let b = &mut self.state.bodies;
-        let m = &mut self.state.members;
-        let (torque, threads) = (&b.angular_acceleration, self.team.threads());
-        let shape = &m.shape;
-        for_each_chunk!(threads, |c|
-        attitude in m.attitude, CHUNK;
-        mean_spin in b.mean_spin, CHUNK;
-        end_spin in m.end_spin, CHUNK;
-        momentum in b.angular_memory, CHUNK
-        => {
-            for k in 0..attitude.len() {
-                let g = c * CHUNK + k;
-                if shape[g] == SPHERE {
-                    continue;
-                }
-                let moments = shapes[shape[g] as usize].moments;
-                let half = momentum[k].vector() + torque[g].vector() * (0.5 * dt);
-                let turn = FreeRotation::turn(moments, attitude[k], half, dt);
-                attitude[k] = turn.orientation;
-                momentum[k].set(half);
-                mean_spin[k].set(turn.mean_spin);
-                let end = half + torque[g].vector() * (0.5 * dt);
-                end_spin[k].set(spin_of(end, turn.orientation, moments));
-            }
-        });
     }
 
     fn move_walls(&mut self, dt: f64) {
@@ -214,14 +137,13 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// All contacts: their wrenches go to buffers, in which spheres find them later.
     pub(crate) fn contact_forces(&mut self, dt: f64) {
-        let threads = self.team.threads();
         let clumps = self.has_clumps();
         let ledger = self.ledger_wanted;
         let mut pairs = std::mem::take(&mut self.state.pairs);
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut s = std::mem::take(&mut self.scratch);
         let placed = std::mem::take(&mut s.placed);
-        let context = {
+        let mut context = {
             let make = &self.make;
             crate::forces::Contacts {
                 spheres: sphere_view(&self.state, clumps),
@@ -244,6 +166,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let vector = fast.map(|all| crate::simd::PairKernel {
             spheres: context.spheres,
             constants: only.map_or(all, |k| &all[k..=k]),
+            all,
+            one_material: self.make.one_material,
             materials: context.materials,
             one_size: self.make.one_size,
             period: context.period,
@@ -255,108 +179,20 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         // With fast roots a copy of the contacts is booked, and the contacts go their own way.
         let mut booked = Flow::default();
         if ledger && vector.is_some() {
-            touching_pairs(&context, None, threads, &mut pairs.clone(), &mut s);
-            s.pair_yield.iter().for_each(|y| booked.add(&y.flow));
+            let (mut pairs, mut walls) = (pairs.clone(), walls.clone());
+            all_contacts(&context, None, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
+            let yields = s.pair_yield.iter().chain(&s.near_yield).chain(&s.wall_yield);
+            yields.for_each(|y| booked.add(&y.flow));
+            context.ledger = false;
         }
-        touching_pairs(&context, vector, threads, &mut pairs, &mut s);
+        all_contacts(&context, vector, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
         if let Some(first) = s.pair_yield.first_mut() {
             first.flow.add(&booked);
-        }
-        near_pairs(&context, vector, threads, &mut pairs, &mut s);
-        wall_contacts(&context, &self.make, threads, &mut walls, &mut s);
-        sum_late(&mut s, context.spheres.position.len());
-        if threads == 1 {
-            sum_all(&pairs, &walls, &mut s);
         }
         s.placed = placed;
         self.scratch = s;
         self.state.pairs = pairs;
         self.state.wall_list = walls;
-    }
-
-    /// Collect forces and bring the velocities to the end of the step (`dt` 0: forces only).
-    fn kick(&mut self, dt: f64) {
-        let threads = self.team.threads();
-        let (integrator, level) = (self.integrator, self.make.level);
-        let ledger = self.ledger_wanted;
-        let gravity = self.make.gravity.at(self.time());
-        let gravity_rate = self.gravity_rate();
-        let drag = self.make.drag;
-        let shapes = &self.make.shapes;
-        let clumps = !shapes.is_empty();
-        let mut chunks = std::mem::take(&mut self.scratch.body_yield);
-        let (pairs, walls) = (&self.state.pairs, &self.state.wall_list);
-        let collect = Collect {
-            pairs,
-            walls,
-            w: &self.scratch.wrenches,
-            sum_force: &self.scratch.sum_force,
-            sum_torque: &self.scratch.sum_torque,
-            complete: threads == 1,
-        };
-        let m: &Members = &self.state.members;
-        let b = &mut self.state.bodies;
-        let (end_velocity, position) = (&b.end_velocity, &b.position);
-        chunks.resize(b.id.len().div_ceil(CHUNK), BodyYield::default());
-        for_each_chunk!(threads, |c|
-        velocity in b.velocity, CHUNK;
-        spin in b.spin, CHUNK;
-        acceleration in b.acceleration, CHUNK;
-        angular in b.angular_acceleration, CHUNK;
-        linear in b.linear_memory, CHUNK;
-        turn in b.angular_memory, CHUNK;
-        result in chunks, 1
-        => {
-            let mut flow = Flow::default();
-            widened(level, #[inline(always)] || {
-            for k in 0..velocity.len() {
-                let g = c * CHUNK + k;
-                let (mut force, torque) = if clumps {
-                    collect.body(m, g)
-                } else {
-                    collect.sphere(g)
-                };
-                let mass = velocity[k].w;
-                if let Some(drag) = &drag {
-                    let v = end_velocity[g].vector();
-                    let resistance = drag.force(mass, position[g].w, v);
-                    force += resistance;
-                    flow.drag -= resistance.dot(v);
-                }
-                if ledger {
-                    flow.gravity_turn -= mass * gravity_rate.dot(position[g].vector());
-                }
-                let new = force * (1.0 / mass) + gravity;
-                let old = acceleration[k].vector();
-                acceleration[k].set(new);
-                let moment = spin[k].w;
-                let old_turn = angular[k].vector();
-                let new_turn = if moment > 0.0 { torque * (1.0 / moment) } else { torque };
-                angular[k].set(new_turn);
-                if dt == 0.0 {
-                    continue;
-                }
-                let mut memory = recall::<I>(&linear[k]);
-                let v = integrator.kick(velocity[k].vector(), old, new, &mut memory, dt);
-                velocity[k].set(v);
-                remember::<I>(&mut linear[k], memory);
-                if moment > 0.0 {
-                    let mut memory = recall::<I>(&turn[k]);
-                    let w = integrator.kick(
-                        spin[k].vector(), old_turn, new_turn, &mut memory, dt);
-                    spin[k].set(w);
-                    remember::<I>(&mut turn[k], memory);
-                } else {
-                    let momentum = turn[k].vector() + torque * (0.5 * dt);
-                    turn[k].set(momentum);
-                    let moments = shapes[m.shape[g] as usize].moments;
-                    spin[k].set(spin_of(momentum, m.attitude[g], moments));
-                }
-            }
-            });
-            result[0].flow = flow;
-        });
-        self.scratch.body_yield = chunks;
     }
 
     /// What the integrator remembers, from the present velocities and accelerations.
@@ -365,7 +201,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let b = &mut self.state.bodies;
         for k in 0..b.len() {
             let (v, a) = (b.velocity[k].vector(), b.acceleration[k].vector());
-            b.linear_memory[k].set(self.integrator.start(v, a, dt));
+            if let Some(memory) = b.linear_memory.get_mut(k) {
+                memory.set(self.integrator.start(v, a, dt));
+            }
             let (w, a) = (b.spin[k].vector(), b.angular_acceleration[k].vector());
             let memory = if b.spin[k].w > 0.0 {
                 self.integrator.start(w, a, dt)
@@ -378,23 +216,4 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             b.angular_memory[k].set(memory);
         }
     }
-}
-
-/// What the integrator remembers, if it does.
-#[inline(always)]
-fn recall<I: Integrator>(record: &Record) -> DVec3 {
-    if I::REMEMBERS { record.vector() } else { DVec3::ZERO }
-}
-
-/// Keep what the integrator remembers, if it does.
-#[inline(always)]
-fn remember<I: Integrator>(record: &mut Record, memory: DVec3) {
-    if I::REMEMBERS {
-        record.set(memory);
-    }
-}
-
-/// Angular velocity in the laboratory of a body with this angular momentum.
-fn spin_of(momentum: DVec3, attitude: glam::DQuat, moments: DVec3) -> DVec3 {
-    attitude * ((attitude.conjugate() * momentum) / moments)
 }

@@ -1,53 +1,551 @@
 //! Threads: fixed chunks of work, so that results do not depend on how many threads share them.
+//!
+//! A team lives as long as its world. Its workers wait for the next stage in a loop for some tens
+//! of microseconds, then sleep; between two calls of `run` they sleep at once. A stage is a number
+//! of chunks. Every thread takes chunks from its own share first, then from those of others, and
+//! the stage is over when all chunks are done: nobody waits for a thread that was given no core.
+//! The thread that calls waits likewise: first in a loop, then asleep.
+#![expect(unsafe_code, reason = "chunks of one slice go to several threads, each exactly once")]
 
-use std::sync::Arc;
+use std::cell::UnsafeCell;
+use std::marker::PhantomData;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
+use std::thread::{JoinHandle, Thread};
+use std::time::{Duration, Instant};
+
+/// How long a thread looks for the next stage before it sleeps.
+const PATIENCE: Duration = Duration::from_micros(60);
+
+/// A slice cut into chunks of equal length (the last may be shorter).
+pub(crate) struct Chunks<'a, T> {
+    begin: *mut T,
+    length: usize,
+    size: usize,
+    slice: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: chunks are disjoint and each is handed out once: as good as sending parts of the slice.
+unsafe impl<T: Send> Sync for Chunks<'_, T> {}
+
+/// Cut a slice into chunks of `size`.
+pub(crate) fn cut<T>(slice: &mut [T], size: usize) -> Chunks<'_, T> {
+    Chunks { begin: slice.as_mut_ptr(), length: slice.len(), size, slice: PhantomData }
+}
+
+/// Something that can be handed out chunk by chunk.
+pub(crate) trait Cut: Sync {
+    /// One chunk.
+    type Part;
+    /// Chunk `k`, empty beyond the end.
+    ///
+    /// # Safety
+    /// Each `k` is asked for at most once.
+    unsafe fn part(&self, k: usize) -> Self::Part;
+}
+
+impl<'a, T: Send> Cut for Chunks<'a, T> {
+    type Part = &'a mut [T];
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> &'a mut [T] {
+        let begin = (k * self.size).min(self.length);
+        let end = (begin + self.size).min(self.length);
+        // SAFETY: within the slice, and no other chunk overlaps it.
+        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
+    }
+}
+
+macro_rules! cut_together {
+    ($($name:ident)+) => {
+        impl<$($name: Cut),+> Cut for ($($name,)+) {
+            type Part = ($($name::Part,)+);
+
+            #[inline(always)]
+            unsafe fn part(&self, k: usize) -> Self::Part {
+                #[expect(non_snake_case, reason = "types and values share their names")]
+                let ($($name,)+) = self;
+                // SAFETY: by the caller.
+                unsafe { ($($name.part(k),)+) }
+            }
+        }
+    };
+}
+cut_together!(A B);
+cut_together!(A B C);
+cut_together!(A B C D);
+cut_together!(A B C D E);
+cut_together!(A B C D E F);
+cut_together!(A B C D E F G);
+cut_together!(A B C D E F G H I J K);
+
+/// Work on `count` chunks.
+pub(crate) struct Stage<C, F> {
+    pub(crate) count: usize,
+    pub(crate) parts: C,
+    /// Called with the number of the chunk and the chunk.
+    pub(crate) work: F,
+}
+
+/// A stage, whatever it works on.
+pub(crate) trait Work: Sync {
+    fn count(&self) -> usize;
+    /// # Safety
+    /// Each `k` below the count is done at most once.
+    unsafe fn chunk(&self, k: usize);
+}
+
+impl<C: Cut, F: Fn(usize, C::Part) + Sync> Work for Stage<C, F> {
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    #[inline]
+    unsafe fn chunk(&self, k: usize) {
+        // SAFETY: by the caller.
+        (self.work)(k, unsafe { self.parts.part(k) });
+    }
+}
 
 /// The threads of one world; one thread means that everything runs on the caller's.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Team {
-    pool: Option<Arc<rayon::ThreadPool>>,
+    crew: Option<Arc<Crew>>,
 }
 
 impl Team {
+    /// A team of `threads`, fewer where the system gives no more.
     pub(crate) fn new(threads: usize) -> Self {
-        let pool = (threads > 1)
-            .then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok())
-            .flatten();
-        Self { pool: pool.map(Arc::new) }
+        Self { crew: (threads > 1).then(|| Crew::new(threads)).flatten().map(Arc::new) }
     }
 
-    pub(crate) fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, |p| p.current_num_threads())
+    /// Run `work`, in which the team is awake.
+    pub(crate) fn enter<R>(&self, work: impl FnOnce() -> R) -> R {
+        let _awake = self.crew.as_ref().map(|crew| crew.wake());
+        work()
     }
 
-    /// Run `work` on a thread of the team, so that its parallel loops start without a detour.
-    pub(crate) fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
+    /// Do all chunks of all stages, which must not depend on each other.
+    pub(crate) fn run(&self, stages: &[&dyn Work]) {
+        match &self.crew {
+            Some(crew) => crew.run(stages),
+            None => run_alone(stages),
+        }
+    }
+
+    /// Do all chunks of one stage.
+    pub(crate) fn each<C: Cut>(
+        &self,
+        count: usize,
+        parts: C,
+        work: impl Fn(usize, C::Part) + Sync,
+    ) {
+        self.run(&[&Stage { count, parts, work }]);
+    }
+}
+
+fn run_alone(stages: &[&dyn Work]) {
+    for stage in stages {
+        for k in 0..stage.count() {
+            // SAFETY: each chunk once.
+            unsafe { stage.chunk(k) };
         }
     }
 }
 
-/// Run a block for every chunk of several slices that are cut alike, in parallel when `$threads`
-/// is above one.
-macro_rules! for_each_chunk {
-    ($threads:expr, |$k:ident| $($name:ident in $slice:expr, $size:expr);+ => $body:block) => {{
-        if $threads > 1 {
-            use rayon::prelude::*;
-            ($($slice.par_chunks_mut($size),)+)
-                .into_par_iter()
-                .enumerate()
-                .for_each(|($k, ($($name,)+))| $body);
-        } else {
-            $(let mut $name = $slice.chunks_mut($size);)+
-            let mut next = 0usize;
-            while let ($(Some($name),)+) = ($($name.next(),)+) {
-                let $k = next;
-                next += 1;
-                $body
+/// What is left of one thread's share, in one word, so that a chunk can be claimed only in its
+/// round: from the top 24 bits of the round, 20 of the end, 20 of the next chunk.
+#[derive(Debug, Default)]
+#[repr(align(128))]
+struct Share(AtomicU64);
+
+/// Bits of the number of a chunk.
+const BITS: u32 = 20;
+/// Most chunks of a round.
+const MOST: usize = (1 << BITS) - 1;
+/// Rounds are counted to here and on from 0.
+const ROUNDS: u64 = 1 << 24;
+
+impl Share {
+    fn open(&self, round: u64, next: usize, end: usize) {
+        let word = round << (2 * BITS) | (end as u64) << BITS | next as u64;
+        self.0.store(word, Ordering::Release);
+    }
+
+    /// Claim the next chunk of this round, if there is one; the error tells whether the round is
+    /// over.
+    fn claim(&self, round: u64) -> Result<usize, bool> {
+        let mut word = self.0.load(Ordering::Acquire);
+        loop {
+            let (next, end) = (word as usize & MOST, (word >> BITS) as usize & MOST);
+            if word >> (2 * BITS) != round {
+                return Err(true);
+            }
+            if next >= end {
+                return Err(false);
+            }
+            let claim =
+                self.0.compare_exchange_weak(word, word + 1, Ordering::AcqRel, Ordering::Acquire);
+            match claim {
+                Ok(_) => return Ok(next),
+                Err(now) => word = now,
             }
         }
-    }};
+    }
 }
-pub(crate) use for_each_chunk;
+
+/// A worker that may sleep.
+#[derive(Debug, Default)]
+#[repr(align(128))]
+struct Bed {
+    asleep: AtomicBool,
+    thread: OnceLock<Thread>,
+}
+
+/// The stages of the present round. The lifetimes are those of the call of `Crew::run`.
+#[derive(Debug)]
+struct Round(UnsafeCell<*const [&'static dyn Work]>);
+
+// SAFETY: written by the calling thread while no chunk is claimed, read only by who claimed one.
+unsafe impl Sync for Round {}
+// SAFETY: likewise; the pointer is followed only while the call that set it lasts.
+unsafe impl Send for Round {}
+
+type Payload = Box<dyn std::any::Any + Send>;
+
+#[derive(Debug)]
+struct Shared {
+    /// Number of the present round.
+    round: AtomicU64,
+    stages: Round,
+    chunks: AtomicUsize,
+    shares: Vec<Share>,
+    done: AtomicUsize,
+    /// Workers of a world that rests sleep at once.
+    awake: AtomicBool,
+    stop: AtomicBool,
+    /// What a chunk panicked with.
+    panic: Mutex<Option<Payload>>,
+    beds: Vec<Bed>,
+    /// Whether the calling thread sleeps, and which one it is.
+    caller_sleeps: AtomicBool,
+    caller: Mutex<Option<Thread>>,
+    /// Whether waiting in a loop can help: not with more threads than cores.
+    patient: bool,
+}
+
+#[derive(Debug)]
+struct Crew {
+    shared: Arc<Shared>,
+    workers: Vec<JoinHandle<()>>,
+    /// Held by the world that runs; a clone of it that runs meanwhile runs on its own thread.
+    busy: AtomicBool,
+    owner: Mutex<Option<std::thread::ThreadId>>,
+}
+
+/// The team is awake while this lives.
+struct Awake<'a> {
+    crew: &'a Crew,
+    mine: bool,
+}
+
+impl Drop for Awake<'_> {
+    fn drop(&mut self) {
+        if self.mine {
+            self.crew.shared.awake.store(false, Ordering::SeqCst);
+            if let Ok(mut owner) = self.crew.owner.lock() {
+                *owner = None;
+            }
+            self.crew.busy.store(false, Ordering::Release);
+        }
+    }
+}
+
+impl Crew {
+    fn new(threads: usize) -> Option<Self> {
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let mut shared = Shared {
+            round: AtomicU64::new(0),
+            stages: Round(UnsafeCell::new(&[])),
+            chunks: AtomicUsize::new(0),
+            shares: Vec::new(),
+            done: AtomicUsize::new(0),
+            awake: AtomicBool::new(false),
+            stop: AtomicBool::new(false),
+            panic: Mutex::new(None),
+            beds: Vec::new(),
+            caller_sleeps: AtomicBool::new(false),
+            caller: Mutex::new(None),
+            patient: threads <= cores,
+        };
+        shared.shares.resize_with(threads, Share::default);
+        shared.beds.resize_with(threads, Bed::default);
+        let shared = Arc::new(shared);
+        let workers: Vec<_> = (1..threads)
+            .map_while(|own| {
+                let shared = shared.clone();
+                let name = format!("dem-core {own}");
+                std::thread::Builder::new().name(name).spawn(move || shared.serve(own)).ok()
+            })
+            .collect();
+        // Shares of threads that did not start are taken by the others.
+        (!workers.is_empty()).then(|| Self {
+            shared,
+            workers,
+            busy: AtomicBool::new(false),
+            owner: Mutex::new(None),
+        })
+    }
+
+    fn wake(&self) -> Awake<'_> {
+        let mine = !self.busy.swap(true, Ordering::Acquire);
+        if mine {
+            let current = std::thread::current();
+            if let Ok(mut owner) = self.owner.lock() {
+                *owner = Some(current.id());
+            }
+            if let Ok(mut caller) = self.shared.caller.lock() {
+                *caller = Some(current);
+            }
+            self.shared.awake.store(true, Ordering::SeqCst);
+        }
+        Awake { crew: self, mine }
+    }
+
+    fn is_mine(&self) -> bool {
+        let own = std::thread::current().id();
+        self.busy.load(Ordering::Acquire) && self.owner.lock().is_ok_and(|o| *o == Some(own))
+    }
+
+    fn run(&self, stages: &[&dyn Work]) {
+        let chunks: usize = stages.iter().map(|s| s.count()).sum();
+        if !(2..=MOST).contains(&chunks) || !self.is_mine() {
+            return run_alone(stages);
+        }
+        let s = &*self.shared;
+        // SAFETY: the lifetime is forgotten, but no chunk is claimed after this call returns.
+        let stages: *const [&'static dyn Work] = unsafe {
+            std::mem::transmute::<*const [&dyn Work], *const [&'static dyn Work]>(stages)
+        };
+        let round = s.round.load(Ordering::Relaxed).wrapping_add(1) % ROUNDS;
+        // SAFETY: all chunks of the last round are done, so nobody reads.
+        unsafe { *s.stages.0.get() = stages };
+        s.done.store(0, Ordering::Relaxed);
+        s.chunks.store(chunks, Ordering::Relaxed);
+        for (k, share) in s.shares.iter().enumerate() {
+            share.open(round, s.begin(k, chunks), s.begin(k + 1, chunks));
+        }
+        s.round.store(round, Ordering::SeqCst);
+        for bed in &s.beds[1..] {
+            if bed.asleep.load(Ordering::SeqCst)
+                && bed.asleep.swap(false, Ordering::SeqCst)
+                && let Some(thread) = bed.thread.get()
+            {
+                thread.unpark();
+            }
+        }
+        s.take_chunks(0, round);
+        s.wait_for_all(chunks);
+        let panic = s.panic.lock().ok().and_then(|mut p| p.take());
+        if let Some(payload) = panic {
+            std::panic::resume_unwind(payload);
+        }
+    }
+}
+
+impl Drop for Crew {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::SeqCst);
+        for worker in self.workers.drain(..) {
+            worker.thread().unpark();
+            // Panics were handed to the caller.
+            let _ = worker.join();
+        }
+    }
+}
+
+impl Shared {
+    /// First chunk of the share of thread `k`.
+    fn begin(&self, k: usize, chunks: usize) -> usize {
+        k * chunks / self.shares.len()
+    }
+
+    /// Do chunks of this round, own ones first, until none is left.
+    fn take_chunks(&self, own: usize, round: u64) {
+        let threads = self.shares.len();
+        for victim in (own..threads).chain(0..own) {
+            loop {
+                let chunk = match self.shares[victim].claim(round) {
+                    Ok(chunk) => chunk,
+                    Err(true) => return,
+                    Err(false) => break,
+                };
+                // SAFETY: a chunk of this round is claimed and not done, so the round lasts.
+                let work = || unsafe { self.chunk(chunk) };
+                if let Err(payload) = catch_unwind(AssertUnwindSafe(work))
+                    && let Ok(mut panic) = self.panic.lock()
+                {
+                    *panic = Some(payload);
+                }
+                let chunks = self.chunks.load(Ordering::Relaxed);
+                if self.done.fetch_add(1, Ordering::SeqCst) + 1 == chunks {
+                    self.wake_caller();
+                }
+            }
+        }
+    }
+
+    fn wake_caller(&self) {
+        if self.caller_sleeps.load(Ordering::SeqCst)
+            && let Ok(caller) = self.caller.lock()
+            && let Some(caller) = &*caller
+        {
+            caller.unpark();
+        }
+    }
+
+    /// # Safety
+    /// The caller has claimed the chunk.
+    unsafe fn chunk(&self, mut chunk: usize) {
+        // SAFETY: by the caller the round lasts.
+        let stages = unsafe { &**self.stages.0.get() };
+        for stage in stages {
+            let count = stage.count();
+            if chunk < count {
+                // SAFETY: a chunk is claimed once.
+                unsafe { stage.chunk(chunk) };
+                return;
+            }
+            chunk -= count;
+        }
+    }
+
+    /// The calling thread waits for chunks that others still work on.
+    fn wait_for_all(&self, chunks: usize) {
+        let all_done = || self.done.load(Ordering::SeqCst) == chunks;
+        if all_done() || self.look(all_done) {
+            return;
+        }
+        // A worker may have lost its core in the middle of a chunk: leave it this one.
+        self.caller_sleeps.store(true, Ordering::SeqCst);
+        while !all_done() {
+            std::thread::park();
+        }
+        self.caller_sleeps.store(false, Ordering::SeqCst);
+    }
+
+    /// Look for `sign` in a loop, as long as that is worth it.
+    fn look(&self, sign: impl Fn() -> bool) -> bool {
+        if !self.patient {
+            return sign();
+        }
+        let start = Instant::now();
+        loop {
+            for _ in 0..8 {
+                if sign() {
+                    return true;
+                }
+                std::hint::spin_loop();
+            }
+            if start.elapsed() > PATIENCE {
+                return false;
+            }
+        }
+    }
+
+    /// Life of a worker.
+    fn serve(&self, own: usize) {
+        let bed = &self.beds[own];
+        let _ = bed.thread.set(std::thread::current());
+        let mut last = 0;
+        loop {
+            let news =
+                || self.round.load(Ordering::SeqCst) != last || self.stop.load(Ordering::Relaxed);
+            let found = news()
+                || (self.awake.load(Ordering::Relaxed)
+                    && self.look(|| news() || !self.awake.load(Ordering::Relaxed))
+                    && news());
+            if !found {
+                bed.asleep.store(true, Ordering::SeqCst);
+                while !news() {
+                    std::thread::park();
+                }
+                bed.asleep.store(false, Ordering::SeqCst);
+            }
+            if self.stop.load(Ordering::Relaxed) {
+                return;
+            }
+            last = self.round.load(Ordering::SeqCst);
+            self.take_chunks(own, last);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn squares(team: &Team, n: usize) -> Vec<usize> {
+        let mut out = vec![0; n];
+        team.each(n.div_ceil(7), cut(&mut out, 7), |c, part| {
+            for (k, x) in part.iter_mut().enumerate() {
+                *x += (7 * c + k) * (7 * c + k);
+            }
+        });
+        out
+    }
+
+    #[test]
+    fn every_chunk_is_done_exactly_once() {
+        let expected: Vec<usize> = (0..1000).map(|k| k * k).collect();
+        for threads in [1, 2, 3, 8] {
+            let team = Team::new(threads);
+            assert_eq!(team.crew.is_some(), threads > 1);
+            team.enter(|| {
+                for n in (0..1000).step_by(37) {
+                    assert_eq!(squares(&team, n), expected[..n]);
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn stages_share_a_round_and_a_clone_of_the_team_works_at_the_same_time() {
+        let team = Team::new(2);
+        let work = |team: &Team| {
+            for _ in 0..200 {
+                let (mut a, mut b) = (vec![0u8; 50], vec![0u8; 90]);
+                team.enter(|| {
+                    let first = Stage {
+                        count: 5,
+                        parts: cut(&mut a, 10),
+                        work: |_, p: &mut [u8]| p.fill(1),
+                    };
+                    let second = Stage {
+                        count: 9,
+                        parts: cut(&mut b, 10),
+                        work: |_, p: &mut [u8]| p.fill(2),
+                    };
+                    team.run(&[&first, &second]);
+                });
+                assert!(a.iter().all(|&x| x == 1) && b.iter().all(|&x| x == 2));
+            }
+        };
+        std::thread::scope(|s| {
+            let other = team.clone();
+            s.spawn(move || work(&other));
+            work(&team);
+        });
+    }
+
+    #[test]
+    fn a_panic_in_a_chunk_reaches_the_caller() {
+        let team = Team::new(2);
+        let mut x = vec![0u8; 64];
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            team.enter(|| team.each(64, cut(&mut x, 1), |k, _| assert!(k != 33, "as asked")));
+        }));
+        assert!(result.is_err());
+    }
+}

@@ -137,10 +137,9 @@ pub(crate) struct Wrenches {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
     pub(crate) cells: CellList,
-    pub(crate) found: Vec<Found>,
+    pub(crate) found: Vec<Vec<Found>>,
     pub(crate) old_pairs: PairList,
     pub(crate) old_walls: WallList,
-    pub(crate) records: Vec<Record>,
     pub(crate) order: Vec<u32>,
     pub(crate) old_sphere_place: Vec<u32>,
     pub(crate) placed: Vec<PlacedWall>,
@@ -151,9 +150,9 @@ pub(crate) struct Scratch {
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
     pub(crate) body_yield: Vec<BodyYield>,
-    /// Force and torque on each sphere: from near pairs, and with one thread from everything.
-    pub(crate) sum_force: Vec<Record>,
-    pub(crate) sum_torque: Vec<Record>,
+    /// Ends of near pairs in action by pieces of spheres, and where those of a piece begin.
+    pub(crate) late_start: Vec<u32>,
+    pub(crate) late_ends: Vec<u32>,
     /// Nearest points of meshes, by entry of the wall list.
     pub(crate) mesh_nearest: Vec<Option<crate::geometry::Nearest>>,
 }

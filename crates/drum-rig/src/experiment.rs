@@ -188,7 +188,7 @@ impl Experiment {
         mut progress: impl FnMut(&Self, &Progress) -> Flow,
     ) -> Result<Outcome, Error> {
         while self.script.phase != Phase::Done {
-            let frames = self.script.records.last().map_or(0, |r| r.frames.len());
+            let frames = self.complete_frames();
             match self.script.phase {
                 Phase::Settling => self.settle()?,
                 Phase::Approaching => self.approach()?,
@@ -196,7 +196,7 @@ impl Experiment {
                 Phase::Done => {}
             }
             let mut report = self.progress();
-            report.new_frame = report.frames_done > frames;
+            report.new_frame = self.complete_frames() > frames;
             if progress(self, &report) == Flow::Stop && self.script.phase != Phase::Done {
                 return Ok(Outcome::Stopped);
             }
@@ -537,6 +537,13 @@ impl Experiment {
             steps: self.step(),
             least_steps_left: all.saturating_sub(done),
         }
+    }
+
+    /// Frames that are complete, at all speeds together.
+    fn complete_frames(&self) -> usize {
+        let speeds = self.script.records.iter().zip(&self.stages);
+        let complete = |s: &Stage, f: &&Frame| f.exposures.len() == s.sub_frames;
+        speeds.map(|(r, s)| r.frames.iter().filter(|f| complete(s, f)).count()).sum()
     }
 
     /// The speeds that are done, in ascending order.

@@ -47,6 +47,7 @@ mod grains;
 mod laws;
 mod liner;
 mod options;
+mod outline;
 mod parameters;
 mod regime;
 mod schedule;
@@ -60,6 +61,7 @@ pub use experiment::{ContactState, Experiment, Flow, Outcome, ParticleState, Pro
 pub use frame::{Exposure, Frame, Sampled};
 pub use grains::{Ball, Grains};
 pub use options::Options;
+pub use outline::{Outline, outline};
 pub use regime::{Regime, froude};
 pub use script::Phase;
 pub use stationary::{Mean, mean_of};

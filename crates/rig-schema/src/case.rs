@@ -163,7 +163,14 @@ impl Case {
         let holdout = doc.take("holdout")?.unwrap_or_default();
         let catalogue = take_catalogue(&mut doc)?;
         let rig = Rig::take(&mut doc)?;
-        doc.finish(&known_keys(&["data", "free", "nuisance", "holdout", "simulator", "catalogue"]))?;
+        doc.finish(&known_keys(&[
+            "data",
+            "free",
+            "nuisance",
+            "holdout",
+            "simulator",
+            "catalogue",
+        ]))?;
         Ok(Self {
             rig,
             data: data.into_inner(),
@@ -218,7 +225,10 @@ fn take_catalogue(doc: &mut Document<'_>) -> Result<CatalogueChoice, SchemaError
         return Err(doc.error(
             choice.span(),
             format!("unknown effect `{name}`"),
-            format!("a parameter or a group; the nearest parameter is `{}`", namespace::nearest(name)),
+            format!(
+                "a parameter or a group; the nearest parameter is `{}`",
+                namespace::nearest(name)
+            ),
         ));
     }
     Ok(choice.into_inner())

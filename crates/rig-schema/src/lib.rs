@@ -41,7 +41,9 @@ mod rig;
 mod settings;
 mod table;
 
-pub use case::{Case, CatalogueChoice, Data, Free, Holdout, Nuisance, Simulator, TableBasis, TableSimulator};
+pub use case::{
+    Case, CatalogueChoice, Data, Free, Holdout, Nuisance, Simulator, TableBasis, TableSimulator,
+};
 pub use diagnostic::Diagnostic;
 pub use errata::{Action, Errata, ErrataLevel, Erratum, Tag};
 pub use error::SchemaError;

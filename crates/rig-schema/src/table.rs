@@ -53,6 +53,10 @@ pub struct SimulatedRow {
     pub factors: Vec<f64>,
     /// The responses in the order of [`Response::ALL`]; `None` where one was not measured.
     pub cells: [Option<Cell>; 4],
+    /// Number of frames, where given.
+    pub n_frames: Option<f64>,
+    /// Independent frames, where given.
+    pub n_eff: Option<f64>,
 }
 
 /// Table of simulated responses, one row a run.
@@ -119,13 +123,14 @@ impl MeasuredTable {
 }
 
 impl SimulatedTable {
-    /// Columns of the header that are neither `run`, `omega_rpm` nor a response: what a table
-    /// without a case varies.
+    /// Columns of the header that are neither `run`, `omega_rpm`, a response nor a number of
+    /// frames: what a table without a case varies.
     pub fn factor_columns(text: &str) -> Vec<String> {
         let header = text.lines().find(|l| !l.starts_with('#') && !l.trim().is_empty());
         let own = |c: &str| {
             let response = |r: &Response| r.column() == c || r.sd_column() == c;
-            ["run", "omega_rpm"].contains(&c) || Response::ALL.iter().any(response)
+            ["run", "omega_rpm", "n_frames", "n_eff"].contains(&c)
+                || Response::ALL.iter().any(response)
         };
         header
             .unwrap_or_default()
@@ -141,7 +146,7 @@ impl SimulatedTable {
     /// # Errors
     /// As [`MeasuredTable::parse`]; a run number that stands twice.
     pub fn parse(file: &str, text: &str, factors: &[&str]) -> Result<Self, SchemaError> {
-        let mut known: Vec<&str> = vec!["run", "omega_rpm"];
+        let mut known: Vec<&str> = vec!["run", "omega_rpm", "n_frames", "n_eff"];
         known.extend(factors);
         known.extend(Response::ALL.iter().flat_map(|r| [r.column(), r.sd_column()]));
         let sheet = Sheet::parse(file, text, &known)?;
@@ -178,6 +183,8 @@ impl SimulatedTable {
                     .map(|f| sheet.number(record, f))
                     .collect::<Result<_, _>>()?,
                 cells: sheet.cells(record)?,
+                n_frames: sheet.optional_positive(record, "n_frames")?,
+                n_eff: sheet.optional_positive(record, "n_eff")?,
             });
         }
         let factors = factors.iter().map(|f| (*f).to_owned()).collect();

@@ -9,6 +9,10 @@ pub(crate) use closing::CloseLoopArgs;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rig_schema::ErrataLevel;
 
+mod campaigns;
+
+pub(crate) use campaigns::{DesignArgs, ExportArgs, OtherCode, RunArgs};
+
 /// Calibrates simulations of rotating drums against measurements.
 #[derive(Debug, Parser)]
 #[command(name = "tumble", version, arg_required_else_help = true)]
@@ -43,6 +47,19 @@ pub(crate) enum Command {
         after_help = "Example:\n  tumble simulate AZ1_Plexi --speeds 17 --set friction.pp=0.5 --set exposure.seconds=0"
     )]
     Simulate(SimulateArgs),
+    /// Print the table of runs of a plan.
+    #[command(after_help = "Example:\n  tumble design plan.toml --out runs.csv")]
+    Design(DesignArgs),
+    /// Carry out every run of a plan; the same call goes on after any interruption.
+    #[command(
+        after_help = "Examples:\n  tumble run plan.toml --jobs 8\n  tumble run plan.toml --slurm\n  tumble run plan.toml --collect"
+    )]
+    Run(RunArgs),
+    /// Write a deck and a data file with which another code runs the same drum.
+    #[command(
+        after_help = "Example:\n  tumble export AZ1_Plexi --to liggghts --speeds 17 --set friction.pp=0.5 --out deck\n  (cd deck && liggghts -in drum.lig)\n  tumble export AZ1_Plexi --to liggghts --speeds 17 --out deck --collect"
+    )]
+    Export(ExportArgs),
     /// Measure angle of repose and centre of area on photographs or simulated frames.
     #[command(
         after_help = "Example:\n  tumble measure photographs/17rpm --speed 17 --out measured"
@@ -86,6 +103,12 @@ pub(crate) struct SimulateArgs {
     /// Also write the positions of every frame.
     #[arg(long)]
     pub(crate) positions: bool,
+    /// Also write particles and contacts of every frame as VTK XML, for ParaView, to this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) vtk: Option<PathBuf>,
+    /// Also write an animated GIF of the frames of each speed.
+    #[arg(long)]
+    pub(crate) gif: bool,
     /// Go on from the checkpoint in the output folder.
     #[arg(long)]
     pub(crate) resume: bool,

@@ -33,6 +33,12 @@ pub(crate) enum InputError {
     /// Every frame was rejected.
     #[error("no frame of {total} could be measured; the first: {reason}")]
     NothingMeasured { total: usize, reason: String },
+    /// Runs of a campaign that would fail again.
+    #[error("{failed} of {runs} runs failed; run {index} ({class}): {reason}")]
+    RunsFailed { failed: usize, runs: usize, index: u64, class: String, reason: String },
+    /// Dumps that another code has not written.
+    #[error("{path} holds no dump of {code}; expected the files that its deck writes")]
+    NoDumps { path: String, code: &'static str },
     /// An output folder that is a file.
     #[error("{path} is not a folder; expected a folder to write to, or a path that does not exist")]
     NotFolder { path: String },
@@ -40,6 +46,16 @@ pub(crate) enum InputError {
 
 /// Whether the input, not the machine, is at fault.
 pub(crate) fn is_input_fault(error: &anyhow::Error) -> bool {
+    let machine = |e: &campaign::CampaignError| {
+        matches!(
+            e,
+            campaign::CampaignError::Io { .. }
+                | campaign::CampaignError::Locked { .. }
+                | campaign::CampaignError::Fault { .. }
+                | campaign::CampaignError::Json { .. }
+                | campaign::CampaignError::Unwritable { .. }
+        )
+    };
     error.chain().any(|e| {
         e.is::<InputError>()
             || e.is::<rig_schema::SchemaError>()
@@ -47,8 +63,8 @@ pub(crate) fn is_input_fault(error: &anyhow::Error) -> bool {
             || e.is::<doe::DoeError>()
             || e.is::<drum_vision::VisionError>()
             || e.is::<drum_film::Error>()
-            || e.is::<campaign::CampaignError>()
             || e.downcast_ref().is_some_and(crate::command::close_loop::is_input_fault)
+            || e.downcast_ref::<campaign::CampaignError>().is_some_and(|e| !machine(e))
             || e.is::<campaign::drum_rig::Error>()
     })
 }

@@ -3,6 +3,7 @@
 
 mod cli;
 mod command;
+mod experiment;
 mod input;
 mod output;
 mod report;
@@ -22,6 +23,9 @@ fn main() -> ExitCode {
         Command::Calibrate(args) => command::calibrate::run(args),
         Command::CloseLoop(args) => command::close_loop::run(args),
         Command::Simulate(args) => command::simulate::run(args),
+        Command::Design(args) => command::design::run(args),
+        Command::Run(args) => command::run::run(args),
+        Command::Export(args) => command::export::run(args),
         Command::Measure(args) => command::measure::run(args),
         Command::Roi(args) => command::roi::run(args),
         Command::Film(args) => command::film::run(args),

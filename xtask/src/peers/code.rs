@@ -106,7 +106,7 @@ impl Code {
     pub(crate) fn skins(self) -> [f64; 5] {
         match self {
             Self::Tumble | Self::TumbleNoRolling => [0.3e-3, 0.5e-3, 0.8e-3, 1.2e-3, 1.8e-3],
-            _ => [0.3e-3, 0.6e-3, 1.0e-3, 1.5e-3, 2.2e-3],
+            _ => [0.6e-3, 1.0e-3, 1.6e-3, 2.4e-3, 3.4e-3],
         }
     }
 
@@ -114,7 +114,7 @@ impl Code {
     pub(crate) fn find(self) -> Result<Installed, String> {
         let program = match self {
             Self::Tumble | Self::TumbleNoRolling => {
-                std::env::current_exe().map_err(|e| e.to_string())?
+                super::own_program().map_err(|e| format!("{e:#}"))?
             }
             Self::Liggghts => locate("TUMBLE_LIGGGHTS", "liggghts")?,
             _ => locate("TUMBLE_LAMMPS", "lmp")?,

@@ -76,7 +76,8 @@ pub(crate) fn measure(options: &Peers) -> anyhow::Result<()> {
     let scene = Scene::similar(options.particles);
     let (data, _) = settled(&scene, options.settle)?;
     let copies = MILLION.div_ceil(scene.beads);
-    let mut command = Command::new(std::env::current_exe()?);
+    let program = super::own_program()?;
+    let mut command = Command::new(&program);
     command.args(["peers-memory-worker", "--data"]).arg(&data);
     for (name, value) in [
         ("--copies", copies.to_string()),
@@ -86,7 +87,7 @@ pub(crate) fn measure(options: &Peers) -> anyhow::Result<()> {
     ] {
         command.arg(name).arg(value);
     }
-    let done = command.output()?;
+    let done = command.output().with_context(|| format!("cannot start {}", program.display()))?;
     anyhow::ensure!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let line = String::from_utf8_lossy(&done.stdout);
     let m: Memory = serde_json::from_str(line.trim())?;

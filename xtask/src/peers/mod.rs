@@ -82,6 +82,19 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
     side_by_side::run(options)
 }
 
+/// This program, to be started again as a worker.
+///
+/// A run lasts minutes, in which a build may put another program in the place of this one: then
+/// `current_exe` names a file that is no more. The kernel's link leads to the very program that
+/// runs, in the child as well, for as long as it runs.
+fn own_program() -> anyhow::Result<PathBuf> {
+    let link = PathBuf::from("/proc/self/exe");
+    if link.exists() {
+        return Ok(link);
+    }
+    std::env::current_exe().context("the system does not say where this program is")
+}
+
 /// Folder for scenes and for what runs leave.
 fn folder() -> anyhow::Result<PathBuf> {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(

@@ -136,9 +136,11 @@ fn line(screen: &str) -> anyhow::Result<Line> {
 /// Dissipated energy and what the ledger cannot account for (J) over a run with the ledger open.
 pub(crate) fn ledger(task: &Task<'_>, skin: f64) -> anyhow::Result<[f64; 2]> {
     let dump = task.folder.join("ledger.dump");
-    let mut command = Command::new(std::env::current_exe()?);
+    let program = super::own_program()?;
+    let mut command = Command::new(&program);
     arguments(&mut command, task, 1, skin, &dump);
-    let done = command.arg("--rolling").arg(ROLLING.to_string()).arg("--ledger").output()?;
+    command.arg("--rolling").arg(ROLLING.to_string()).arg("--ledger");
+    let done = command.output().with_context(|| format!("cannot start {}", program.display()))?;
     let screen = String::from_utf8_lossy(&done.stdout).into_owned();
     anyhow::ensure!(
         done.status.success(),

@@ -242,8 +242,7 @@ impl Laboratory {
         }
         let mut drum = Experiment::new(rig, options)?;
         let particles = drum.grains().len();
-        let outcome =
-            drum.run(|_, _| if self.is_stopped() { Flow::Stop } else { Flow::Go })?;
+        let outcome = drum.run(|_, _| if self.is_stopped() { Flow::Stop } else { Flow::Go })?;
         if outcome == Outcome::Stopped {
             return Err(CampaignError::Stopped);
         }

@@ -105,20 +105,27 @@ pub fn transport_vector(v: DVec3, normal: DVec3, twist: f64) -> DVec3 {
     flat * cos + normal.cross(flat) * sin
 }
 
-/// Sine and cosine of the twist of one step, on the unit circle to rounding.
+/// Sine and cosine of the twist of one step, to rounding.
 ///
-/// With `t = tan(x/2)`, `sin = 2t/(1 + t^2)` and `cos = (1 - t^2)/(1 + t^2)` for any `t`: the series
-/// of the tangent to `x^5` only errs in the angle, by `x^7/1186` (below 1e-10 rad at 0.1 rad).
+/// Taylor's series to `x^9` and `x^8`: the rest is below 3e-17 at 0.1 rad, beyond which the
+/// library's functions take over. No division: a step waits long enough for those it needs.
 #[inline]
 fn small_sin_cos(x: f64) -> (f64, f64) {
     if x.abs() > 0.1 {
         return x.sin_cos();
     }
     let x2 = x * x;
-    let t = 0.5 * x * (1.0 + x2 * (1.0 / 12.0 + x2 * (1.0 / 120.0)));
-    let scale = 1.0 / (1.0 + t * t);
-    (2.0 * t * scale, (1.0 - t * t) * scale)
+    let [s3, s5, s7, s9] = SINE;
+    let [c2, c4, c6, c8] = COSINE;
+    let sin = x * (1.0 + x2 * (s3 + x2 * (s5 + x2 * (s7 + x2 * s9))));
+    let cos = 1.0 + x2 * (c2 + x2 * (c4 + x2 * (c6 + x2 * c8)));
+    (sin, cos)
 }
+
+/// Coefficients of `x^3`, `x^5`, `x^7`, `x^9` in the sine.
+pub(crate) const SINE: [f64; 4] = [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
+/// Coefficients of `x^2`, `x^4`, `x^6`, `x^8` in the cosine.
+pub(crate) const COSINE: [f64; 4] = [-0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0];
 
 #[cfg(test)]
 mod tests {
@@ -144,7 +151,7 @@ mod tests {
         for x in [-0.1f64, -1e-3, 1e-9, 0.03, 0.1, 0.11, 2.0] {
             let (sin, cos) = small_sin_cos(x);
             assert!((sin.hypot(cos) - 1.0).abs() < 1e-15);
-            assert!((sin - x.sin()).abs() < 1e-10 && (cos - x.cos()).abs() < 1e-10);
+            assert!((sin - x.sin()).abs() < 1e-16 && (cos - x.cos()).abs() < 3e-16);
         }
     }
 

@@ -43,7 +43,8 @@ impl Cylinder {
         let along = d.dot(self.axis);
         let radial = d - self.axis * along;
         let rho = radial.length();
-        let outward = if rho > 0.0 { radial / rho } else { self.axis.any_orthonormal_vector() };
+        let outward =
+            if rho > 0.0 { radial * (1.0 / rho) } else { self.axis.any_orthonormal_vector() };
         if let Some(length) = self.length {
             let beyond = along.abs() - 0.5 * length;
             if beyond > 0.0 {

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::{Drift, Integrator};
+use super::{Drift, Integrator, Vector};
 
 /// Beeman.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -23,7 +23,7 @@ impl Integrator for Beeman {
     }
 
     #[inline(always)]
-    fn drift(&self, velocity: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
+    fn drift<V: Vector>(&self, velocity: V, acceleration: V, memory: &mut V, dt: f64) -> Drift<V> {
         Drift {
             mean_velocity: velocity + (acceleration * 4.0 - *memory) * (dt / 6.0),
             end_velocity: velocity + (acceleration * 3.0 - *memory) * (0.5 * dt),
@@ -31,14 +31,14 @@ impl Integrator for Beeman {
     }
 
     #[inline(always)]
-    fn kick(
+    fn kick<V: Vector>(
         &self,
-        velocity: DVec3,
-        old_acceleration: DVec3,
-        acceleration: DVec3,
-        memory: &mut DVec3,
+        velocity: V,
+        old_acceleration: V,
+        acceleration: V,
+        memory: &mut V,
         dt: f64,
-    ) -> DVec3 {
+    ) -> V {
         let older = std::mem::replace(memory, old_acceleration);
         velocity + (acceleration * 2.0 + old_acceleration * 5.0 - older) * (dt / 6.0)
     }

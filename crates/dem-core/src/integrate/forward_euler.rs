@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{Drift, Integrator};
+use super::{Drift, Integrator, Vector};
 
 /// Forward Euler.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -21,19 +21,12 @@ impl Integrator for ForwardEuler {
     }
 
     #[inline(always)]
-    fn drift(&self, velocity: DVec3, acceleration: DVec3, _: &mut DVec3, dt: f64) -> Drift {
+    fn drift<V: Vector>(&self, velocity: V, acceleration: V, _: &mut V, dt: f64) -> Drift<V> {
         Drift { mean_velocity: velocity, end_velocity: velocity + acceleration * dt }
     }
 
     #[inline(always)]
-    fn kick(
-        &self,
-        velocity: DVec3,
-        old_acceleration: DVec3,
-        _: DVec3,
-        _: &mut DVec3,
-        dt: f64,
-    ) -> DVec3 {
+    fn kick<V: Vector>(&self, velocity: V, old_acceleration: V, _: V, _: &mut V, dt: f64) -> V {
         velocity + old_acceleration * dt
     }
 }

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{Drift, Integrator};
+use super::{Drift, Integrator, Vector};
 
 /// Leapfrog.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -22,13 +22,13 @@ impl Integrator for Leapfrog {
     }
 
     #[inline(always)]
-    fn drift(&self, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
-        *memory += acceleration * dt;
+    fn drift<V: Vector>(&self, _: V, acceleration: V, memory: &mut V, dt: f64) -> Drift<V> {
+        *memory = *memory + acceleration * dt;
         Drift { mean_velocity: *memory, end_velocity: *memory + acceleration * (0.5 * dt) }
     }
 
     #[inline(always)]
-    fn kick(&self, _: DVec3, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> DVec3 {
+    fn kick<V: Vector>(&self, _: V, _: V, acceleration: V, memory: &mut V, dt: f64) -> V {
         *memory + acceleration * (0.5 * dt)
     }
 }

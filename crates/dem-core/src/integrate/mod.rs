@@ -22,13 +22,24 @@ pub use leapfrog::Leapfrog;
 pub use stoermer_verlet::StoermerVerlet;
 pub use velocity_verlet::VelocityVerlet;
 
+/// What can be integrated: all that schemes need are sums and multiples.
+pub trait Vector:
+    Copy
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<f64, Output = Self>
+{
+}
+
+impl Vector for DVec3 {}
+
 /// What the first half of a step yields.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drift {
+pub struct Drift<V = DVec3> {
     /// Mean velocity of the step, m/s: the displacement over the duration.
-    pub mean_velocity: DVec3,
+    pub mean_velocity: V,
     /// Velocity foretold for the end of the step, m/s.
-    pub end_velocity: DVec3,
+    pub end_velocity: V,
 }
 
 /// A scheme that advances one vector (the position of a centre; the turn of a sphere) in time.
@@ -43,16 +54,16 @@ pub trait Integrator: Copy + Send + Sync + 'static {
     fn start(&self, velocity: DVec3, acceleration: DVec3, dt: f64) -> DVec3;
 
     /// First half: from the state at the beginning of the step.
-    fn drift(&self, velocity: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift;
+    fn drift<V: Vector>(&self, velocity: V, acceleration: V, memory: &mut V, dt: f64) -> Drift<V>;
 
     /// Second half: the velocity at the end of the step, from that at its beginning and the
     /// accelerations at both ends.
-    fn kick(
+    fn kick<V: Vector>(
         &self,
-        velocity: DVec3,
-        old_acceleration: DVec3,
-        acceleration: DVec3,
-        memory: &mut DVec3,
+        velocity: V,
+        old_acceleration: V,
+        acceleration: V,
+        memory: &mut V,
         dt: f64,
-    ) -> DVec3;
+    ) -> V;
 }

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{Drift, Integrator};
+use super::{Drift, Integrator, Vector};
 
 /// Störmer-Verlet.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -22,14 +22,14 @@ impl Integrator for StoermerVerlet {
     }
 
     #[inline(always)]
-    fn drift(&self, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> Drift {
-        *memory += acceleration * (dt * dt);
-        let mean_velocity = *memory / dt;
+    fn drift<V: Vector>(&self, _: V, acceleration: V, memory: &mut V, dt: f64) -> Drift<V> {
+        *memory = *memory + acceleration * (dt * dt);
+        let mean_velocity = *memory * (1.0 / dt);
         Drift { mean_velocity, end_velocity: mean_velocity + acceleration * (0.5 * dt) }
     }
 
     #[inline(always)]
-    fn kick(&self, _: DVec3, _: DVec3, acceleration: DVec3, memory: &mut DVec3, dt: f64) -> DVec3 {
-        *memory / dt + acceleration * (0.5 * dt)
+    fn kick<V: Vector>(&self, _: V, _: V, acceleration: V, memory: &mut V, dt: f64) -> V {
+        *memory * (1.0 / dt) + acceleration * (0.5 * dt)
     }
 }

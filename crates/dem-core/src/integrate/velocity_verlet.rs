@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{Drift, Integrator};
+use super::{Drift, Integrator, Vector};
 
 /// Velocity Verlet: the default.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -21,21 +21,21 @@ impl Integrator for VelocityVerlet {
     }
 
     #[inline(always)]
-    fn drift(&self, velocity: DVec3, acceleration: DVec3, _: &mut DVec3, dt: f64) -> Drift {
+    fn drift<V: Vector>(&self, velocity: V, acceleration: V, _: &mut V, dt: f64) -> Drift<V> {
         let half_kick = acceleration * (0.5 * dt);
         let middle = velocity + half_kick;
         Drift { mean_velocity: middle, end_velocity: middle + half_kick }
     }
 
     #[inline(always)]
-    fn kick(
+    fn kick<V: Vector>(
         &self,
-        velocity: DVec3,
-        old_acceleration: DVec3,
-        acceleration: DVec3,
-        _: &mut DVec3,
+        velocity: V,
+        old_acceleration: V,
+        acceleration: V,
+        _: &mut V,
         dt: f64,
-    ) -> DVec3 {
+    ) -> V {
         velocity + (old_acceleration + acceleration) * (0.5 * dt)
     }
 }

@@ -8,6 +8,7 @@
 //! Ogarko & Luding, Comput. Phys. Commun. 183 (2012) 931, doi:10.1016/j.cpc.2011.12.019.
 
 use super::Period;
+use super::verlet_list::LANES;
 use crate::particles::Record;
 
 /// Largest number of cells a level may have, per body in it.
@@ -35,6 +36,8 @@ pub(crate) struct CellList {
     pub(crate) order: Vec<u32>,
     /// Their positions and bounding radii in that order.
     pub(crate) sorted: Vec<Record>,
+    /// The same, coordinate by coordinate, with room for one more vector at the end.
+    pub(crate) columns: [Vec<f64>; 4],
     level_of: Vec<u8>,
     key: Vec<u32>,
     /// Axes, the fastest first; a periodic one is never the fastest.
@@ -78,6 +81,12 @@ impl CellList {
         let mut begin = 0;
         for l in 0..levels {
             begin = self.sort_level(l, begin, position, range, low, high, period);
+        }
+        let fields: [fn(&Record) -> f64; 4] = [|r| r.x, |r| r.y, |r| r.z, |r| r.w];
+        for (column, field) in self.columns.iter_mut().zip(fields) {
+            column.clear();
+            column.extend(self.sorted.iter().map(field));
+            column.resize(n + LANES, 0.0);
         }
     }
 
@@ -154,7 +163,7 @@ impl CellList {
 
     /// Call `found(k, m)` for every pair of sorted places whose gap may be below `range`, where
     /// `k` runs over `places`; the caller measures the gap.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn for_each_candidate(
         &self,
         places: std::ops::Range<usize>,
@@ -170,12 +179,19 @@ impl CellList {
                     let level = &self.levels[l];
                     let reach = p.w + level.largest_radius + range;
                     let least = if l == own { k + 1 } else { 0 };
-                    level.rows(self.axes, [p.x, p.y, p.z], reach, period, |row| {
-                        let row = row.start.max(least)..row.end;
-                        if !row.is_empty() {
-                            found(k, row);
-                        }
-                    });
+                    level.rows(
+                        self.axes,
+                        [p.x, p.y, p.z],
+                        reach,
+                        period,
+                        #[inline(always)]
+                        |row| {
+                            let row = row.start.max(least)..row.end;
+                            if !row.is_empty() {
+                                found(k, row);
+                            }
+                        },
+                    );
                 }
             }
         }
@@ -197,7 +213,7 @@ impl Level {
     }
 
     /// The rows of cells within `reach` of `x`, as ranges of sorted places.
-    #[inline]
+    #[inline(always)]
     fn rows(
         &self,
         axes: [usize; 3],

@@ -2,9 +2,9 @@
 //!
 //! Pairs that touch (or nearly so) when the list is made come first, then those that are merely
 //! near; both runs are sorted by their first sphere. What contacts remember is stored in blocks
-//! of eight pairs, slot by slot, so that eight pairs load as one vector. For several
-//! threads the list also holds the touching pairs of every sphere, so that each sphere can collect
-//! its forces in the order of the list, whichever thread computed them.
+//! of eight pairs, slot by slot, so that eight pairs load as one vector. The list also holds the
+//! touching pairs by their second sphere, so that any run of spheres can collect its forces in a
+//! fixed order, whichever thread computed them.
 
 /// Pairs in one block of remembered numbers.
 pub(crate) const LANES: usize = 8;
@@ -40,10 +40,9 @@ pub(crate) struct PairList {
     /// First touching, first near pair of each sphere.
     pub(crate) touching_start: Vec<u32>,
     pub(crate) near_start: Vec<u32>,
-    /// Touching pairs of each sphere, in the order of the list: twice the pair's place, plus one
-    /// where the sphere is the second.
-    pub(crate) ends_start: Vec<u32>,
-    pub(crate) ends: Vec<u32>,
+    /// Touching pairs by their second sphere, and where those of each sphere begin.
+    pub(crate) second_start: Vec<u32>,
+    pub(crate) by_second: Vec<u32>,
 }
 
 /// A pair found by the search.
@@ -65,17 +64,16 @@ impl PairList {
         &mut self,
         spheres: usize,
         slots: usize,
-        found: &[Found],
+        found: &[Vec<Found>],
         old: &PairList,
         old_place: Option<&[u32]>,
-        want_ends: bool,
     ) {
         self.slots = slots;
         for start in [&mut self.touching_start, &mut self.near_start] {
             start.clear();
             start.resize(spheres + 1, 0);
         }
-        for f in found {
+        for f in found.iter().flatten() {
             let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
             start[f.first as usize] += 1;
         }
@@ -89,16 +87,14 @@ impl PairList {
         }
         // From the back, so that pairs keep the order in which they were found and the counters
         // end at the beginnings.
-        for f in found.iter().rev() {
+        for f in found.iter().rev().flat_map(|f| f.iter().rev()) {
             let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
             let place = &mut start[f.first as usize];
             *place -= 1;
             self.first[*place as usize] = f.first;
             self.second[*place as usize] = f.second;
         }
-        if want_ends {
-            self.list_ends();
-        }
+        self.sort_by_second();
         self.active.clear();
         self.active.resize(total, 0);
         self.memory.clear();
@@ -106,32 +102,28 @@ impl PairList {
         self.take_over(spheres, old, old_place);
     }
 
-    /// List the touching pairs of each sphere.
-    pub(crate) fn list_ends(&mut self) {
-        let spheres = self.touching_start.len().saturating_sub(1);
-        self.ends_start.clear();
-        self.ends_start.resize(spheres + 1, 0);
-        let pairs = || self.first[..self.touching].iter().zip(&self.second[..self.touching]);
-        for (&a, &b) in pairs() {
-            self.ends_start[a as usize] += 1;
-            self.ends_start[b as usize] += 1;
+    /// Sort the touching pairs by their second sphere, those of one sphere as in the list.
+    pub(crate) fn sort_by_second(&mut self) {
+        self.second_start.clear();
+        self.second_start.resize(self.touching_start.len(), 0);
+        let second = &self.second[..self.touching];
+        for &b in second {
+            self.second_start[b as usize] += 1;
         }
-        let total = ends_from_counts(&mut self.ends_start, 0);
-        self.ends.clear();
-        self.ends.resize(total, 0);
-        for (pair, (&a, &b)) in pairs().enumerate().rev() {
-            for (sphere, role) in [(b, 1), (a, 0)] {
-                let place = &mut self.ends_start[sphere as usize];
-                *place -= 1;
-                self.ends[*place as usize] = 2 * pair as u32 + role;
-            }
+        let total = ends_from_counts(&mut self.second_start, 0);
+        self.by_second.clear();
+        self.by_second.resize(total, 0);
+        for (pair, &b) in second.iter().enumerate().rev() {
+            let place = &mut self.second_start[b as usize];
+            *place -= 1;
+            self.by_second[*place as usize] = pair as u32;
         }
     }
 
-    /// Drop what `list_ends` made.
-    pub(crate) fn forget_ends(&mut self) {
-        self.ends.clear();
-        self.ends_start.clear();
+    /// Drop what `sort_by_second` made.
+    pub(crate) fn forget_second(&mut self) {
+        self.by_second.clear();
+        self.second_start.clear();
     }
 
     fn take_over(&mut self, spheres: usize, old: &PairList, old_place: Option<&[u32]>) {

@@ -4,7 +4,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Quad};
 use crate::particles::Record;
 
 /// Eight lanes of one AVX-512 register.
@@ -48,6 +48,40 @@ unsafe fn record(records: &[Record], place: u32) -> __m256d {
     debug_assert!((place as usize) < records.len());
     // SAFETY: a record is four numbers at an address that is a multiple of 32.
     unsafe { _mm256_load_pd(records.as_ptr().add(place as usize).cast()) }
+}
+
+/// Records `k` and `k + 4` of eight, side by side.
+///
+/// # Safety
+/// AVX-512 is there and every place is below the length of `records`.
+#[inline(always)]
+unsafe fn rows(records: &[Record], p: &[u32; 8], k: usize) -> __m512d {
+    // SAFETY: by the caller.
+    unsafe {
+        let low = _mm512_castpd256_pd512(record(records, p[k]));
+        _mm512_insertf64x4::<1>(low, record(records, p[k + 4]))
+    }
+}
+
+/// Fields of eight records from four pairs of rows: two rounds of exchanges.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+unsafe fn columns([a, b, c, d]: [__m512d; 4]) -> [Wide; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (xz, yw) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+        let (xz2, yw2) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
+        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+        [
+            Wide(_mm512_permutex2var_pd(xz, low, xz2)),
+            Wide(_mm512_permutex2var_pd(yw, low, yw2)),
+            Wide(_mm512_permutex2var_pd(xz, high, xz2)),
+            Wide(_mm512_permutex2var_pd(yw, high, yw2)),
+        ]
+    }
 }
 
 // SAFETY of all blocks below: values exist only where AVX-512 was detected; references to arrays
@@ -106,22 +140,19 @@ impl Lanes for Wide {
     #[inline(always)]
     unsafe fn gather(records: &[Record], p: &[u32; 8]) -> [Self; 4] {
         unsafe {
-            // Rows k and k + 4 share a register; two rounds of exchanges turn rows into columns.
-            let row = |k: usize| {
-                let low = _mm512_castpd256_pd512(record(records, p[k]));
-                _mm512_insertf64x4::<1>(low, record(records, p[k + 4]))
-            };
-            let (a, b, c, d) = (row(0), row(1), row(2), row(3));
-            let (xz, yw) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
-            let (xz2, yw2) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
-            let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-            let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-            [
-                Self(_mm512_permutex2var_pd(xz, low, xz2)),
-                Self(_mm512_permutex2var_pd(yw, low, yw2)),
-                Self(_mm512_permutex2var_pd(xz, high, xz2)),
-                Self(_mm512_permutex2var_pd(yw, high, yw2)),
-            ]
+            let (a, b) = (rows(records, p, 0), rows(records, p, 1));
+            columns([a, b, rows(records, p, 2), rows(records, p, 3)])
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
+        unsafe {
+            columns([
+                _mm512_sub_pd(rows(records, of, 0), rows(records, less, 0)),
+                _mm512_sub_pd(rows(records, of, 1), rows(records, less, 1)),
+                _mm512_sub_pd(rows(records, of, 2), rows(records, less, 2)),
+                _mm512_sub_pd(rows(records, of, 3), rows(records, less, 3)),
+            ])
         }
     }
     #[inline(always)]
@@ -273,6 +304,15 @@ impl Lanes for Pair {
         }
     }
     #[inline(always)]
+    unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
+        unsafe {
+            let r = |k: usize| _mm256_sub_pd(record(records, of[k]), record(records, less[k]));
+            let low = transpose(r(0), r(1), r(2), r(3));
+            let high = transpose(r(4), r(5), r(6), r(7));
+            std::array::from_fn(|k| Self(low[k], high[k]))
+        }
+    }
+    #[inline(always)]
     fn scatter([x, y, z, w]: [Self; 4], to: &mut [Record; 8]) {
         unsafe {
             let out: *mut f64 = to.as_mut_ptr().cast();
@@ -282,6 +322,61 @@ impl Lanes for Pair {
             for (k, v) in transpose(x.1, y.1, z.1, w.1).into_iter().enumerate() {
                 _mm256_store_pd(out.add(4 * (k + 4)), v);
             }
+        }
+    }
+}
+
+/// One record in a register.
+#[derive(Clone, Copy)]
+pub(super) struct Four(__m256d);
+
+macro_rules! four {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl $trait for Four {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                // SAFETY: values of this type exist only where AVX2 was detected.
+                Self(unsafe { $op(self.0, o.0) })
+            }
+        }
+    };
+}
+four!(Add, add, _mm256_add_pd);
+four!(Sub, sub, _mm256_sub_pd);
+
+impl Mul<f64> for Four {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: f64) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_mul_pd(self.0, _mm256_set1_pd(s)) })
+    }
+}
+
+impl crate::integrate::Vector for Four {}
+
+// SAFETY of all blocks below: as above; records lie at multiples of 32.
+impl Quad for Four {
+    #[inline(always)]
+    fn load(from: &Record) -> Self {
+        Self(unsafe { _mm256_load_pd(std::ptr::from_ref(from).cast()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut Record) {
+        unsafe { _mm256_store_pd(std::ptr::from_mut(to).cast(), self.0) }
+    }
+    #[inline(always)]
+    fn with_scalar_of(self, o: Self) -> Self {
+        Self(unsafe { _mm256_blend_pd::<0b1000>(self.0, o.0) })
+    }
+    #[inline(always)]
+    fn length_squared(self) -> f64 {
+        unsafe {
+            let square = _mm256_mul_pd(self.0, self.0);
+            let (xy, z) = (_mm256_castpd256_pd128(square), _mm256_extractf128_pd::<1>(square));
+            let sum = _mm_add_sd(xy, _mm_unpackhi_pd(xy, xy));
+            _mm_cvtsd_f64(_mm_add_sd(sum, z))
         }
     }
 }

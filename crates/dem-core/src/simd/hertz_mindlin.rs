@@ -7,6 +7,7 @@
 
 use super::lanes::{Lanes, V3};
 use super::{Constants, Level};
+use crate::contact::spring::{COSINE, SINE};
 use crate::forces::{ChunkYield, SphereView};
 use crate::particles::Record;
 
@@ -46,8 +47,12 @@ struct Block<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct PairKernel<'a> {
     pub(crate) spheres: SphereView<'a>,
-    /// Laws by material times material.
+    /// Laws of pairs of spheres: one, or all by material times material.
     pub(crate) constants: &'a [Constants],
+    /// All laws, by material times material.
+    pub(crate) all: &'a [Constants],
+    /// Material of all spheres, if they have but one.
+    pub(crate) one_material: Option<usize>,
     pub(crate) materials: usize,
     /// Radius and mass of all spheres, if they are alike.
     pub(crate) one_size: Option<[f64; 2]>,
@@ -60,7 +65,7 @@ pub(crate) struct PairKernel<'a> {
 
 /// Constants of eight contacts.
 #[derive(Clone, Copy)]
-struct Laws<V> {
+pub(super) struct Laws<V> {
     e_star: V,
     normal_damping: V,
     g_star: V,
@@ -76,13 +81,19 @@ struct Laws<V> {
 
 impl<V: Lanes> Laws<V> {
     #[inline(always)]
-    fn splat(c: &Constants) -> Self {
-        Self::from(|f| V::splat(f(c)))
+    pub(super) fn splat(c: &Constants) -> Self {
+        Self::from(
+            #[inline(always)]
+            |f| V::splat(f(c)),
+        )
     }
 
     #[inline(always)]
-    fn lanes(each: [&Constants; 8]) -> Self {
-        Self::from(|f| V::load(&each.map(f)))
+    pub(super) fn lanes(each: [&Constants; 8]) -> Self {
+        Self::from(
+            #[inline(always)]
+            |f| V::load(&each.map(f)),
+        )
     }
 
     #[inline(always)]
@@ -104,36 +115,36 @@ impl<V: Lanes> Laws<V> {
 
 /// Relative motion of eight contacts.
 #[derive(Clone, Copy)]
-struct Motion<V> {
-    normal: V3<V>,
-    overlap: V,
-    rate: V,
-    slip: V3<V>,
-    spin_i: V3<V>,
-    spin_j: V3<V>,
-    lever_i: V,
-    lever_j: V,
-    r_star: V,
-    m_star: V,
-    twist: V,
-    dt: V,
+pub(super) struct Motion<V> {
+    pub(super) normal: V3<V>,
+    pub(super) overlap: V,
+    pub(super) rate: V,
+    pub(super) slip: V3<V>,
+    pub(super) spin_i: V3<V>,
+    pub(super) spin_j: V3<V>,
+    pub(super) lever_i: V,
+    pub(super) lever_j: V,
+    pub(super) r_star: V,
+    pub(super) m_star: V,
+    pub(super) twist: V,
+    pub(super) dt: V,
 }
 
 /// Wrenches of eight contacts.
-struct Out<V> {
-    force: V3<V>,
-    torque_i: V3<V>,
-    torque_j: V3<V>,
+pub(super) struct Out<V> {
+    pub(super) force: V3<V>,
+    pub(super) torque_i: V3<V>,
+    pub(super) torque_j: V3<V>,
     /// Spring force and signed stiffness.
-    spring: V3<V>,
-    stiffness: V,
+    pub(super) spring: V3<V>,
+    pub(super) stiffness: V,
 }
 
-/// Hold `trial` to the limit; returns it and the lanes that slide.
+/// Hold `trial` to the limit; returns it and the lanes, of those that matter, that slide.
 #[inline(always)]
-fn limit<V: Lanes, const FAST: bool>(trial: V3<V>, threshold: V) -> (V3<V>, u8) {
+fn limit<V: Lanes, const FAST: bool>(trial: V3<V>, threshold: V, used: u8) -> (V3<V>, u8) {
     let size2 = trial.dot(trial);
-    let slides = (threshold * threshold).less(size2);
+    let slides = (threshold * threshold).less(size2) & used;
     if slides == 0 {
         return (trial, 0);
     }
@@ -154,25 +165,22 @@ fn root<V: Lanes, const FAST: bool>(x: V) -> V {
 /// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
 /// matter.
 #[inline(always)]
-fn small_sin_cos<V: Lanes, const FAST: bool>(x: V, used: u8) -> (V, V) {
+fn small_sin_cos<V: Lanes>(x: V, used: u8) -> (V, V) {
     let one = V::splat(1.0);
     let x2 = x * x;
-    let series = one + x2 * (V::splat(1.0 / 12.0) + x2 * V::splat(1.0 / 120.0));
-    let t = V::splat(0.5) * x * series;
-    let square = t * t;
-    let scale = if FAST {
-        // The series to the fifth power: the rest is below 3e-16 for twists up to 0.1 rad.
-        one - square * (one - square * (one - square * (one - square * (one - square))))
-    } else {
-        one / (one + square)
-    };
-    let (sin, cos) = (V::splat(2.0) * t * scale, (one - square) * scale);
+    // Not by `map`: its closure would not be compiled for the instructions of the kernel.
+    let (s3, s5, s7, s9) =
+        (V::splat(SINE[0]), V::splat(SINE[1]), V::splat(SINE[2]), V::splat(SINE[3]));
+    let (c2, c4, c6, c8) =
+        (V::splat(COSINE[0]), V::splat(COSINE[1]), V::splat(COSINE[2]), V::splat(COSINE[3]));
+    let sin = x * (one + x2 * (s3 + x2 * (s5 + x2 * (s7 + x2 * s9))));
+    let cos = one + x2 * (c2 + x2 * (c4 + x2 * (c6 + x2 * c8)));
     let large = V::splat(0.1).less(x.abs()) & used;
     if large == 0 { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
 }
 
 /// The lanes of large twists by the library's functions.
-#[inline(always)]
+#[cold]
 fn large_sin_cos<V: Lanes>(x: V, sin: V, cos: V, large: u8) -> (V, V) {
     let (mut angles, mut sines, mut cosines) = ([0.0; 8], [0.0; 8], [0.0; 8]);
     x.store(&mut angles);
@@ -186,7 +194,7 @@ fn large_sin_cos<V: Lanes>(x: V, sin: V, cos: V, large: u8) -> (V, V) {
 
 /// The laws.
 #[inline(always)]
-fn respond<V: Lanes, const FAST: bool>(
+pub(super) fn respond<V: Lanes, const FAST: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
     old: V3<V>,
@@ -204,7 +212,7 @@ fn respond<V: Lanes, const FAST: bool>(
     } else {
         flat * (size2 / flat2).sqrt()
     };
-    let (sin, cos) = small_sin_cos::<V, FAST>(m.twist, touching & alive);
+    let (sin, cos) = small_sin_cos(m.twist, touching & alive);
     let carried = (flat * cos + n.cross(flat) * sin).select(alive, V3::splat(0.0));
     // Hertz.
     let delta = m.overlap.max(zero);
@@ -212,21 +220,20 @@ fn respond<V: Lanes, const FAST: bool>(
     let stiffness = V::splat(2.0) * laws.e_star * a;
     let elastic = V::splat(2.0 / 3.0) * stiffness * delta;
     // Both dashpots go with the root of mass times contact radius.
-    let inertia = if FAST { root::<V, true>(m.m_star * a) } else { V::splat(0.0) };
-    let normal_root = if FAST { inertia * laws.normal_root } else { (m.m_star * stiffness).sqrt() };
-    let viscous = laws.normal_damping * normal_root * m.rate;
+    let inertia = root::<V, FAST>(m.m_star * a);
+    let viscous = laws.normal_damping * (inertia * laws.normal_root) * m.rate;
     let normal = (elastic + viscous).max(laws.least_force);
     let load = normal.max(zero);
     // Mindlin.
     let k = V::splat(8.0) * laws.g_star * a;
-    let shear_root = if FAST { inertia * laws.shear_root } else { (m.m_star * k).sqrt() };
-    let dashpot = laws.shear_damping * shear_root;
+    let dashpot = laws.shear_damping * (inertia * laws.shear_root);
     let share = (k / old_stiffness.abs().max(tiny)).min(V::splat(1.0));
     let trial = carried * share - (m.slip * m.dt) * k;
     let threshold = laws.friction * load;
-    let (spring, sliding) = limit::<V, FAST>(trial, threshold);
-    let (damped, _) = limit::<V, FAST>(spring - m.slip * dashpot, threshold);
-    let sticks_damped = !sliding & zero.less(dashpot);
+    let (spring, sliding) = limit::<V, FAST>(trial, threshold, touching);
+    let sticks_damped = touching & !sliding & zero.less(dashpot);
+    // Sliding contacts are at the limit already and have no dashpot: few are left here.
+    let (damped, _) = limit::<V, FAST>(spring - m.slip * dashpot, threshold, sticks_damped);
     let shear = damped.select(sticks_damped, spring);
     // Constant torque.
     let spin = m.spin_i - m.spin_j;
@@ -332,6 +339,7 @@ impl PairKernel<'_> {
         let (torque_second, _) = run.torque_second.as_chunks_mut::<8>();
         let each = first.iter().zip(second).zip(active).zip(memory).zip(force);
         let each = each.zip(torque_first).zip(torque_second).enumerate();
+        let laws = Laws::splat(&self.constants[0]);
         for (k, ((((((first, second), active), memory), force), torque_first), torque_second)) in
             each
         {
@@ -349,7 +357,7 @@ impl PairKernel<'_> {
                 torque_second,
             };
             // SAFETY: by the caller.
-            unsafe { self.block::<V, FAST>(&mut block) };
+            unsafe { self.block::<V, FAST>(&mut block, &laws) };
             let (touching, deep) = (block.touching, block.deep);
             *active = std::array::from_fn(|lane| touching >> lane & 1);
             if deep != 0 {
@@ -372,16 +380,27 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in `first` and `second` of a block is that of a sphere.
     #[inline(always)]
-    unsafe fn block<V: Lanes, const FAST: bool>(&self, b: &mut Block<'_>) {
+    unsafe fn block<V: Lanes, const FAST: bool>(&self, b: &mut Block<'_>, only: &Laws<V>) {
         let s = &self.spheres;
+        // Spheres alike: only differences are needed, and half as many exchanges.
         // SAFETY: by the caller.
-        let (pi, pj) = unsafe { (V::gather(s.position, b.first), V::gather(s.position, b.second)) };
-        let mut d = V3::of(pj) - V3::of(pi);
+        let (mut d, ri, rj) = unsafe {
+            match self.one_size {
+                Some([radius, _]) => {
+                    let d = V::gather_difference(s.position, b.second, b.first);
+                    (V3::of(d), V::splat(radius), V::splat(radius))
+                }
+                None => {
+                    let pi = V::gather(s.position, b.first);
+                    let pj = V::gather(s.position, b.second);
+                    (V3::of(pj) - V3::of(pi), pi[3], pj[3])
+                }
+            }
+        };
         if let Some(p) = self.period {
             d = shortest(p, d);
         }
         let distance_squared = d.dot(d);
-        let (ri, rj) = (pi[3], pj[3]);
         let sum = ri + rj;
         let touching = distance_squared.less(sum * sum) & b.valid;
         b.touching = touching;
@@ -402,34 +421,45 @@ impl PairKernel<'_> {
         };
         let overlap = sum - distance;
         // SAFETY: by the caller.
-        let (vi, vj, wi, wj, ei, ej) = unsafe {
+        let (approach, mi, mj) = unsafe {
+            match self.one_size {
+                Some([_, mass]) => {
+                    let v = V::gather_difference(s.mean_velocity, b.first, b.second);
+                    (V3::of(v), V::splat(mass), V::splat(mass))
+                }
+                None => {
+                    let vi = V::gather(s.mean_velocity, b.first);
+                    let vj = V::gather(s.mean_velocity, b.second);
+                    (V3::of(vi) - V3::of(vj), vi[3], vj[3])
+                }
+            }
+        };
+        // SAFETY: by the caller.
+        let (wi, wj, end) = unsafe {
             (
-                V::gather(s.mean_velocity, b.first),
-                V::gather(s.mean_velocity, b.second),
                 V::gather(s.mean_spin, b.first),
                 V::gather(s.mean_spin, b.second),
-                V::gather(s.end_velocity, b.first),
-                V::gather(s.end_velocity, b.second),
+                V3::of(V::gather_difference(s.end_velocity, b.first, b.second)),
             )
         };
-        let (mi, mj) = (vi[3], vj[3]);
-        let laws = if let [only] = self.constants {
-            Laws::splat(only)
-        } else {
+        let many;
+        let laws = if self.constants.len() > 1 {
             let (mut a, mut c) = ([0.0; 8], [0.0; 8]);
             wi[3].store(&mut a);
             wj[3].store(&mut c);
-            Laws::lanes(std::array::from_fn(|k| {
+            many = Laws::lanes(std::array::from_fn(|k| {
                 &self.constants[a[k] as usize * self.materials + c[k] as usize]
-            }))
+            }));
+            &many
+        } else {
+            only
         };
-        let (vi, vj, wi, wj) = (V3::of(vi), V3::of(vj), V3::of(wi), V3::of(wj));
+        let (wi, wj) = (V3::of(wi), V3::of(wj));
         b.deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
         let n = d * inverse;
         let dt = V::splat(self.dt);
         let half = V::splat(0.5) * overlap;
         let (lever_i, lever_j) = (ri - half, rj - half);
-        let approach = vi - vj;
         let back = V::splat(0.25 * self.dt) * approach.dot(n);
         let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
         // Spheres alike: the same operations, once for all lanes.
@@ -440,7 +470,7 @@ impl PairKernel<'_> {
         let motion = Motion {
             normal: n,
             overlap,
-            rate: (V3::of(ei) - V3::of(ej)).dot(n),
+            rate: end.dot(n),
             slip: relative - n * relative.dot(n),
             spin_i: wi,
             spin_j: wj,
@@ -452,7 +482,7 @@ impl PairKernel<'_> {
             dt,
         };
         let (old, old_stiffness) = load_memory::<V>(b.memory);
-        let out = respond::<V, FAST>(&motion, &laws, old, old_stiffness, touching);
+        let out = respond::<V, FAST>(&motion, laws, old, old_stiffness, touching);
         store(b, touching, &out);
     }
 }

@@ -33,6 +33,11 @@ pub(super) trait Lanes:
     /// # Safety
     /// Every place is below the length of `records`.
     unsafe fn gather(records: &[Record], places: &[u32; 8]) -> [Self; 4];
+    /// The records at eight places less those at eight others, one vector a field.
+    ///
+    /// # Safety
+    /// Every place is below the length of `records`.
+    unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4];
     /// Eight records from their fields.
     fn scatter(fields: [Self; 4], to: &mut [Record; 8]);
 }
@@ -109,5 +114,34 @@ impl<V: Lanes> Neg for V3<V> {
     #[inline(always)]
     fn neg(self) -> Self {
         Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+
+/// One record as four numbers side by side.
+pub(crate) trait Quad: crate::integrate::Vector {
+    fn load(from: &Record) -> Self;
+    fn store(self, to: &mut Record);
+    /// This vector with the scalar of another record.
+    fn with_scalar_of(self, other: Self) -> Self;
+    /// Of the vector, without the scalar.
+    fn length_squared(self) -> f64;
+}
+
+impl Quad for Record {
+    #[inline(always)]
+    fn load(from: &Record) -> Self {
+        *from
+    }
+    #[inline(always)]
+    fn store(self, to: &mut Record) {
+        *to = self;
+    }
+    #[inline(always)]
+    fn with_scalar_of(self, other: Self) -> Self {
+        Self { w: other.w, ..self }
+    }
+    #[inline(always)]
+    fn length_squared(self) -> f64 {
+        self.vector().length_squared()
     }
 }

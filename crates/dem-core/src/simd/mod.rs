@@ -1,27 +1,28 @@
-//! Eight contacts at once: the only unsafe code of the crate.
+//! Eight contacts at once: with `threads.rs` the only unsafe code of the crate.
 //!
 //! The kernel is written once, over [`lanes::Lanes`]; AVX-512 and AVX2 each compile it for their
 //! registers, and the widest that the processor has is chosen when a world runs. Every operation
 //! is the same, in the same order, as in the portable kernel, and none is fused: so the bits of
 //! the result are those of the portable kernel, on every processor.
-#![expect(
-    unsafe_code,
-    reason = "vector instructions and unchecked gathers; nothing else in the crate is"
-)]
+#![expect(unsafe_code, reason = "vector instructions and unchecked gathers")]
 
 mod avx;
 mod hertz_mindlin;
 mod lanes;
+mod wall;
 
 use std::any::Any;
 
 pub(crate) use hertz_mindlin::{PairKernel, Run};
+pub(crate) use lanes::Quad;
+pub(crate) use wall::WallRun;
 
 use crate::contact::cohesion::Cohesionless;
 use crate::contact::model::ContactModel;
 use crate::contact::normal::Hertz;
 use crate::contact::rolling::{ConstantTorque, FreeRolling};
 use crate::contact::tangential::Mindlin;
+use crate::particles::Record;
 
 /// Instruction set that a world's kernels use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,6 +99,68 @@ pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
         .collect()
 }
 
+/// Bits of those among eight spheres (coordinates and radii in `columns` from `begin` on) whose gap
+/// to `own` is below `range`.
+#[inline(always)]
+pub(crate) fn in_reach(
+    level: Level,
+    own: &Record,
+    columns: &[Vec<f64>; 4],
+    begin: usize,
+    range: f64,
+) -> u8 {
+    let eight = |k: usize| columns[k][begin..].first_chunk::<8>();
+    let (Some(x), Some(y), Some(z), Some(r)) = (eight(0), eight(1), eight(2), eight(3)) else {
+        return 0;
+    };
+    #[cfg(target_arch = "x86_64")]
+    match level {
+        Level::Avx512 => return reach::<avx::Wide>(own, [x, y, z, r], range),
+        Level::Avx2 => return reach::<avx::Pair>(own, [x, y, z, r], range),
+        Level::Portable => {}
+    }
+    let _ = level;
+    (0..8).fold(0, |bits, k| {
+        let d = [x[k] - own.x, y[k] - own.y, z[k] - own.z];
+        let sum = own.w + r[k] + range;
+        bits | u8::from(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < sum * sum) << k
+    })
+}
+
+#[inline(always)]
+fn reach<V: lanes::Lanes>(own: &Record, [x, y, z, r]: [&[f64; 8]; 4], range: f64) -> u8 {
+    let d = lanes::V3 {
+        x: V::load(x) - V::splat(own.x),
+        y: V::load(y) - V::splat(own.y),
+        z: V::load(z) - V::splat(own.z),
+    };
+    let sum = V::splat(own.w) + V::load(r) + V::splat(range);
+    d.dot(d).less(sum * sum)
+}
+
+/// Work on records that is written once for all instruction sets.
+pub(crate) trait RecordWork {
+    /// What it yields.
+    type Yield;
+    /// Do it with `Q` for a record.
+    fn run<Q: Quad>(self) -> Self::Yield;
+}
+
+/// Do `work` with the registers of `level`: the same operations on each number.
+#[inline(always)]
+pub(crate) fn on_records<W: RecordWork>(level: Level, work: W) -> W::Yield {
+    #[cfg(target_arch = "x86_64")]
+    if level != Level::Portable {
+        return widened(
+            level,
+            #[inline(always)]
+            || work.run::<avx::Four>(),
+        );
+    }
+    let _ = level;
+    work.run::<Record>()
+}
+
 /// Run `work` compiled for the instructions of `level`: the same operations, wider registers.
 #[inline(always)]
 pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
@@ -120,4 +183,36 @@ pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
     }
     let _ = level;
     work()
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use lanes::Lanes;
+
+    #[test]
+    fn reciprocal_roots_are_two_units_in_the_last_place_off_at_most() {
+        if Level::detect() != Level::Avx512 {
+            return;
+        }
+        let mut worst = 0.0f64;
+        for k in 0..40_000 {
+            let x: [f64; 8] = std::array::from_fn(|lane| {
+                let k = f64::from(8 * k + lane as i32);
+                (1.0 + k / 320_000.0) * 10f64.powi(k as i32 % 60 - 30)
+            });
+            let mut y = [0.0; 8];
+            widened(
+                Level::Avx512,
+                #[inline(always)]
+                || avx::Wide::load(&x).reciprocal_root().store(&mut y),
+            );
+            for (x, y) in x.iter().zip(y) {
+                worst = worst.max((y * x.sqrt() - 1.0).abs());
+            }
+        }
+        // The root and the product round as well: half a unit each.
+        assert!(worst < 3.0 * f64::EPSILON, "{worst:e}");
+        assert!(worst > 0.0);
+    }
 }

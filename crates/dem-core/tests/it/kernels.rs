@@ -2,7 +2,7 @@
 
 use dem_core::prelude::*;
 
-use crate::scenes::drum;
+use crate::scenes::{Model, drum, model};
 
 fn hashes(ratio: f64, kernels: Kernels, periodic: bool) -> Vec<u64> {
     let mut b = drum(400, ratio, 1);
@@ -58,4 +58,73 @@ fn fast_roots_keep_the_physics_and_the_bits_over_threads_and_ledgers() {
         // The overlap is a difference of lengths a thousand times larger: 1e-16 becomes 1e-13.
         assert!(off < 1e-11 * largest, "{:e}", off / largest);
     }
+}
+
+/// Chung and Ooi's benchmark impacts, restitution, energy and threads, with the kernels given.
+fn key_claims(kernels: Kernels) {
+    // Glass on glass, 10 mm, 10 m/s each: peak force 10 697 N (Chung & Ooi 2011, test 1).
+    let e_star = 25e9;
+    let material = Material { youngs_modulus: 48e9, poisson_ratio: 0.2, density: 2800.0 };
+    let law = |restitution: f64| -> Model {
+        let normal: HertzTailCut = HertzSpec { e_star, restitution }.try_into().unwrap();
+        Model { normal, ..model(0.35, restitution, 0.0) }
+    };
+    for restitution in [1.0, 0.9, 0.6] {
+        let mut b = WorldBuilder::new(2e-8);
+        let glass = b.material(material);
+        b.pair_law(glass, glass, law(restitution)).kernels(kernels);
+        b.domain(DVec3::splat(-0.1), DVec3::splat(0.1));
+        // Eight pairs that differ in direction, so that every lane has work.
+        let mut pairs = Vec::new();
+        for k in 0..8 {
+            let angle = 0.35 * k as f64;
+            let n = DVec3::new(angle.cos(), angle.sin(), 0.0);
+            let at = DVec3::new(0.0, 0.0, 0.022 * k as f64 - 0.08);
+            let mut sphere = |s: f64| {
+                let p = Sphere::at(at + n * (s * 0.010_000_1), 0.01, glass);
+                b.sphere(p.with_velocity(n * (-10.0 * s)))
+            };
+            pairs.push((sphere(-1.0), sphere(1.0), n));
+        }
+        let mut world = b.build().unwrap();
+        let mut peak = 0.0f64;
+        for _ in 0..400 {
+            world.run(10).unwrap();
+            for &(a, _, n) in &pairs {
+                peak = peak.max(-world.acceleration(a).dot(n) * world.mass(a));
+            }
+        }
+        for &(a, b, n) in &pairs {
+            let rebound = (world.velocity(b) - world.velocity(a)).dot(n) / 20.0;
+            // 2000 steps a contact: second order leaves 1e-5.
+            assert!((rebound / restitution - 1.0).abs() < 2e-4, "{kernels:?}: {rebound}");
+        }
+        if restitution == 1.0 {
+            assert!((peak / 10_697.0 - 1.0).abs() < 2e-3, "{kernels:?}: {peak} N");
+        }
+    }
+    let run = |threads: usize, ledger: bool| {
+        let mut world = drum(600, 1.5, threads).kernels(kernels).build().unwrap();
+        if ledger {
+            world.open_ledger().unwrap();
+        }
+        world.run(4000).unwrap();
+        world
+    };
+    let one = run(1, true);
+    let e = one.energy();
+    assert!(e.remainder.abs() < 0.05 * e.dissipated.total(), "{kernels:?}: {e:?}");
+    for (threads, ledger) in [(1, false), (2, false), (4, true)] {
+        assert_eq!(one.state_hash(), run(threads, ledger).state_hash(), "{kernels:?}, {threads}");
+    }
+}
+
+#[test]
+fn impacts_energy_and_bits_over_threads_hold_in_the_exact_mode() {
+    key_claims(Kernels::Fastest);
+}
+
+#[test]
+fn impacts_energy_and_bits_over_threads_hold_in_the_fast_mode() {
+    key_claims(Kernels::FastRoots);
 }

@@ -90,3 +90,17 @@ fn another_seed_gives_another_bed() {
     let hash = |rig| Experiment::new(rig, &options(1)).unwrap().state_hash();
     assert_ne!(hash(&rig()), hash(&other));
 }
+
+#[test]
+fn every_frame_is_announced_once_at_every_speed() {
+    let mut drum = Experiment::new(&rig(), &options(1)).unwrap();
+    let mut announced = 0;
+    drum.run(|_, p| {
+        announced += usize::from(p.new_frame);
+        Flow::Go
+    })
+    .unwrap();
+    let taken: usize = drum.sampled().iter().map(|s| s.frames.len()).sum();
+    assert_eq!(announced, taken);
+    assert_eq!(taken, 2 * rig().run.frames as usize);
+}

@@ -168,9 +168,8 @@ fn report(name: &str, all: &[Row], verbose: bool) -> Value {
 
 /// The frames beyond a limit and the ten with the largest errors over their uncertainty.
 fn list_worst(all: &[Row], beyond: &impl Fn(&scenes::Outcome) -> bool) {
-    let score = |o: &scenes::Outcome| {
-        (0..4).map(|k| o.error[k].abs() / o.sd[k]).fold(0.0, f64::max)
-    };
+    let score =
+        |o: &scenes::Outcome| (0..4).map(|k| o.error[k].abs() / o.sd[k]).fold(0.0, f64::max);
     let mut rows: Vec<(&str, &scenes::Outcome)> =
         all.iter().filter_map(|(k, o)| Some((k.as_str(), o.as_ref().ok()?))).collect();
     rows.sort_by(|a, b| score(b.1).total_cmp(&score(a.1)));
@@ -185,7 +184,9 @@ fn list_worst(all: &[Row], beyond: &impl Fn(&scenes::Outcome) -> bool) {
 /// One frame for machines.
 fn row((name, outcome): &Row) -> Value {
     match outcome {
-        Err(e) => json!({ "frame": name, "rejected": e.to_string(), "stage": e.stage().to_string() }),
+        Err(e) => {
+            json!({ "frame": name, "rejected": e.to_string(), "stage": e.stage().to_string() })
+        }
         Ok(o) => {
             let parts: serde_json::Map<String, Value> = o
                 .budget

@@ -77,3 +77,17 @@ fn a_bad_cell_of_a_table_shows_file_line_and_expectation() {
     let shown = message(MeasuredTable::parse("m.csv", "omega_rpm,aor_ln_deg,aor_lin_sd\n4,1,1\n"));
     assert!(shown.contains("aor_lin_deg"), "{shown}");
 }
+
+#[test]
+fn a_simulated_table_says_how_many_frames_it_is_made_of() {
+    let text = "run,omega_rpm,friction.pp,aor_lin_deg,aor_lin_sd,n_frames,n_eff\n\
+                0,17,0.5,27.5,0.4,30,12.5\n1,17,0.6,28.1,0.5,,\n";
+    assert_eq!(rig_schema::SimulatedTable::factor_columns(text), ["friction.pp"]);
+    let table = rig_schema::SimulatedTable::parse("runs.csv", text, &["friction.pp"])
+        .unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((table.rows[0].n_frames, table.rows[0].n_eff), (Some(30.0), Some(12.5)));
+    assert_eq!((table.rows[1].n_frames, table.rows[1].n_eff), (None, None));
+    let none = text.replace("12.5", "0");
+    let shown = message(rig_schema::SimulatedTable::parse("runs.csv", &none, &["friction.pp"]));
+    assert!(shown.contains("runs.csv:2") && shown.contains("n_eff"), "{shown}");
+}

@@ -183,7 +183,10 @@ fn print(outcome: &Outcome, printed: &Printed<'_>) {
         let sd = sd.map_or_else(String::new, |s| format!(" ± {s:.3}"));
         println!("  calibrated {path} = {value:.3}{sd}");
     }
-    println!("{:>12} {:>14} {:>10} {:>10} {:>12}", "", "response", "before", "after", "noise alone");
+    println!(
+        "{:>12} {:>14} {:>10} {:>10} {:>12}",
+        "", "response", "before", "after", "noise alone"
+    );
     let sets = [
         ("fitted", &outcome.before.errors.fitted, &outcome.after.errors.fitted),
         ("held out", &outcome.before.errors.held_out, &outcome.after.errors.held_out),

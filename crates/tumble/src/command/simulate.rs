@@ -6,15 +6,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use campaign::drum_rig::{Coarsening, Experiment, Flow, Outcome, Sampled, coarse};
-use campaign::{Observatory, Observed, Resolution};
+use campaign::drum_rig::{Experiment, Flow, Outcome, Sampled};
+use campaign::vtk::{Encoding, Series};
+use campaign::{Footage, Observatory, Observed, Resolution};
 use drum_film::contact_sheet;
+use drum_film::image::imageops::thumbnail;
 use indicatif::{ProgressBar, ProgressStyle};
-use rig_schema::{Case, Rig};
 use serde::Serialize;
 
 use crate::cli::SimulateArgs;
-use crate::input::{self, InputError};
+use crate::experiment::{self, Changes};
+use crate::input::InputError;
 use crate::output;
 
 /// Checkpoint file beside the results.
@@ -66,7 +68,14 @@ struct Plan {
 }
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
-    let (rig, hash) = rig(args)?;
+    let changes = Changes {
+        settings: &args.settings,
+        speeds: &args.speeds,
+        frames: args.frames,
+        seed: args.seed,
+        coarse: args.coarse,
+    };
+    let (rig, hash) = experiment::rig(&args.rig, &changes)?;
     let resolution = Resolution { width_px: args.width, ..Resolution::default() };
     let observatory = Observatory::new(&rig, resolution)?;
     let options = observatory.options(args.threads);
@@ -90,7 +99,12 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let asked = Arc::clone(&stop);
     ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed))
         .context("cannot listen for Ctrl-C")?;
-    let outcome = simulate(&mut drum, &kept, &stop)?;
+    let mut series = match &args.vtk {
+        Some(to) if args.resume => Some(Series::go_on(to, Encoding::default())?),
+        Some(to) => Some(Series::begin(to, Encoding::default())?),
+        None => None,
+    };
+    let outcome = simulate(&mut drum, &kept, series.as_mut(), &stop)?;
     if outcome == Outcome::Stopped {
         output::write_bytes(&folder, CHECKPOINT, &drum.checkpoint())?;
         anyhow::bail!("stopped; {} keeps what was done, go on with --resume", kept.display());
@@ -117,6 +131,9 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         }
         if args.positions {
             files.push(positions(steady, &folder)?);
+        }
+        if args.gif {
+            files.push(animation(&observatory, steady, &folder)?);
         }
         speeds.push(speed(steady, &seen));
     }
@@ -151,58 +168,16 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The rig of a rig file, a case file or a built-in case, with what the arguments change.
-fn rig(args: &SimulateArgs) -> anyhow::Result<(Rig, String)> {
-    let path = Path::new(&args.rig);
-    let text = if path.is_file() {
-        input::read(path)?
-    } else if let Some(name) = input::built_in(&args.rig) {
-        input::fixture(&format!("thesis/cases/{}.toml", name.to_lowercase()))?
-    } else if path.extension().is_some() {
-        input::read(path)?
-    } else {
-        let known = tumble_fixtures::CASES.join(", ");
-        return Err(InputError::NoCase { name: args.rig.clone(), known }.into());
-    };
-    let is_case = text.text.lines().any(|l| l.trim_start().starts_with("[data]"));
-    let mut rig = if is_case {
-        Case::parse(&text.name, &text.text)?.rig
-    } else {
-        Rig::parse(&text.name, &text.text)?
-    };
-    for (path, value) in &args.settings {
-        rig.settings.set(path, *value).map_err(|refused| InputError::Setting {
-            path: path.clone(),
-            value: *value,
-            expected: match refused {
-                Some(p) => format!("{} to {} {}", p.range.0, p.range.1, p.unit),
-                None => format!(
-                    "a known parameter, the nearest is {}",
-                    rig_schema::namespace::nearest(path)
-                ),
-            },
-        })?;
-    }
-    if !args.speeds.is_empty() {
-        rig.run.speeds_rpm.clone_from(&args.speeds);
-    }
-    if let Some(frames) = args.frames {
-        rig.run.frames = frames;
-    }
-    if let Some(seed) = args.seed {
-        rig.run.seed = seed;
-    }
-    if args.coarse {
-        rig = coarse(&rig, Coarsening::default())?;
-    }
-    Ok((rig, text.input().hash))
-}
-
-fn simulate(drum: &mut Experiment, kept: &Path, stop: &AtomicBool) -> anyhow::Result<Outcome> {
+fn simulate(
+    drum: &mut Experiment,
+    kept: &Path,
+    mut series: Option<&mut Series>,
+    stop: &AtomicBool,
+) -> anyhow::Result<Outcome> {
     let bar = ProgressBar::new(1);
     bar.set_style(ProgressStyle::with_template("{bar:30} {msg}, {eta} left")?);
     let mut written = Instant::now();
-    let mut failed = None;
+    let mut failed: Option<anyhow::Error> = None;
     let folder = kept.parent().unwrap_or(Path::new("."));
     let outcome = drum.run(|drum, p| {
         bar.set_length(p.steps + p.least_steps_left);
@@ -211,6 +186,12 @@ fn simulate(drum: &mut Experiment, kept: &Path, stop: &AtomicBool) -> anyhow::Re
             "{:?} at {} rpm, {:.2} s, {:.2} turns, {:.1} deg, frame {} of {}",
             p.phase, p.speed_rpm, p.time_s, p.turns, p.angle_deg, p.frames_done, p.frames
         ));
+        if let Some(series) = series.as_mut().filter(|_| p.new_frame)
+            && let Err(e) = series.write(drum)
+        {
+            failed = Some(e.into());
+            return Flow::Stop;
+        }
         if written.elapsed() > CHECKPOINT_EVERY {
             written = Instant::now();
             if let Err(e) = output::write_bytes(folder, CHECKPOINT, &drum.checkpoint()) {
@@ -278,6 +259,25 @@ fn preview(seen: &Observed, folder: &Path) -> anyhow::Result<Option<String>> {
     let sheet = contact_sheet(&seen.preview, 3)?;
     sheet.save(folder.join(&name))?;
     Ok(Some(name))
+}
+
+/// All frames of one speed as an animated GIF, a frame every tenth of a second.
+fn animation(observatory: &Observatory, steady: &Sampled, folder: &Path) -> anyhow::Result<String> {
+    /// Width of a picture, pixels: a GIF has 256 colours and no good compression.
+    const WIDTH: u32 = 480;
+    let footage = Footage::of(steady);
+    let mut small = Vec::new();
+    for index in 0..footage.frames.len() {
+        let picture = observatory.frame(&footage, index)?;
+        let (width, height) = picture.dimensions();
+        let to = WIDTH.min(width);
+        small.push(thumbnail(&picture, to, (height * to / width).max(1)));
+    }
+    let mut bytes = Vec::new();
+    drum_film::gif::write_gif(&small, 100, &mut bytes)?;
+    let name = format!("film_{}rpm.gif", steady.speed_rpm);
+    output::write_bytes(folder, &name, &bytes)?;
+    Ok(name)
 }
 
 /// The positions of every frame's first instant, as `tumble film` reads them.

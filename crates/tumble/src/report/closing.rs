@@ -141,7 +141,10 @@ fn errors(o: &Outcome) -> Section {
         }
     }
     if let Some(removed) = o.removed {
-        facts.push(format!("{:.0} % of the mean square error above the noise goes away.", 100.0 * removed));
+        facts.push(format!(
+            "{:.0} % of the mean square error above the noise goes away.",
+            100.0 * removed
+        ));
     }
     if o.confirmed == Some(false) {
         facts.push("The fresh runs contradict the fitted effect.".to_owned());
@@ -199,7 +202,9 @@ fn candidates(o: &Outcome) -> Section {
         short(gate.p_bootstrap),
         short(gate.p_focused),
         short(gate.p_combined),
-        gate.lag1.map_or_else(String::new, |l| format!("; lag-1 correlation of the residuals over speed {l:.2}")),
+        gate.lag1.map_or_else(String::new, |l| format!(
+            "; lag-1 correlation of the residuals over speed {l:.2}"
+        )),
     );
     let rows = o
         .finding
@@ -242,15 +247,24 @@ fn candidates(o: &Outcome) -> Section {
     }));
     if !o.left_out.is_empty() {
         let all = o.left_out.iter().map(|(p, why)| format!("{p}: {why}")).collect();
-        section.blocks.push(Block::Folded("Effects that were not tried".to_owned(), vec![Block::List(all)]));
+        section
+            .blocks
+            .push(Block::Folded("Effects that were not tried".to_owned(), vec![Block::List(all)]));
     }
     if !o.finding.pairs.is_empty() {
-        let rows = o.finding.pairs.iter().take(8).map(|p| {
-            Row::new(vec![p.names.join(" + "), short(p.fit.chi2), short(p.fit.p)])
-        });
+        let rows = o
+            .finding
+            .pairs
+            .iter()
+            .take(8)
+            .map(|p| Row::new(vec![p.names.join(" + "), short(p.fit.chi2), short(p.fit.p)]));
         section.blocks.push(Block::Table(Table {
             caption: "Pairs".to_owned(),
-            columns: vec![Column::text("pair"), Column::number("chi-square", ""), Column::number("p", "")],
+            columns: vec![
+                Column::text("pair"),
+                Column::number("chi-square", ""),
+                Column::number("p", ""),
+            ],
             rows: rows.collect(),
         }));
     }

@@ -2,5 +2,6 @@
 
 mod bad_input;
 mod calibrate;
+mod campaigns;
 mod pictures;
 mod run;

@@ -31,7 +31,8 @@ fn measure_prints_every_field_of_its_json() {
     let frames = folder.path().join("frames");
     std::fs::create_dir(&frames).expect("a folder");
     let (angle, [x, y, r]) = draw(&frames, &["a.png", "b.png", "c.png", "d.png"]);
-    let out = tumble(folder.path(), &["measure", "frames", "--speed", "10", "--json", "--out", "o"]);
+    let out =
+        tumble(folder.path(), &["measure", "frames", "--speed", "10", "--json", "--out", "o"]);
     assert!(out.status.success(), "{}", stderr(&out));
     let json: Value = serde_json::from_str(&stdout(&out)).expect("JSON on standard output");
     assert_eq!(json["n_frames"], 4);

@@ -66,7 +66,9 @@ impl<const CUT_TAIL: bool> NormalLaw for Hertz<CUT_TAIL> {
         let a = (pair.r_star * delta).sqrt();
         let stiffness = 2.0 * self.e_star * a;
         let elastic = 2.0 / 3.0 * stiffness * delta;
-        let viscous = self.damping * (pair.m_star * stiffness).sqrt() * motion.overlap_rate;
+        // sqrt(m* k) as a product of roots: that of m* a serves the shear dashpot as well.
+        let root = (pair.m_star * a).sqrt() * (2.0 * self.e_star).sqrt();
+        let viscous = self.damping * root * motion.overlap_rate;
         let mut force = elastic + viscous;
         if CUT_TAIL {
             force = force.max(0.0);

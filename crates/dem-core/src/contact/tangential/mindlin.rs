@@ -72,8 +72,8 @@ impl TangentialLaw for Mindlin {
         memory: &mut SpringMemory,
     ) -> TangentialResponse {
         let stiffness = 8.0 * self.g_star * normal.contact_radius;
-        let dashpot =
-            if self.damping > 0.0 { self.damping * (pair.m_star * stiffness).sqrt() } else { 0.0 };
+        let root = (pair.m_star * normal.contact_radius).sqrt() * (8.0 * self.g_star).sqrt();
+        let dashpot = if self.damping > 0.0 { self.damping * root } else { 0.0 };
         let share = kept_share(stiffness, memory.stiffness);
         SpringStep { stiffness, share, dashpot }.advance(&self.friction, motion, normal, memory)
     }

@@ -1,0 +1,77 @@
+//! One run from its row to its result.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use drum_rig::{Experiment, Flow, Options, Outcome, Progress};
+
+use super::checkpoint;
+use super::manifest::{Manifest, Row};
+use super::result::{Effort, Simulated, speed_result};
+use crate::{CampaignError, Observatory};
+
+/// A run and where its checkpoint lies.
+pub(crate) struct RowRun<'a> {
+    pub(crate) manifest: &'a Manifest,
+    pub(crate) row: &'a Row,
+    pub(crate) checkpoint: PathBuf,
+    pub(crate) every: Duration,
+}
+
+/// How a run was left.
+#[derive(Debug)]
+pub(crate) enum Left {
+    /// Carried out.
+    Done(Simulated, Effort),
+    /// Stopped by the caller; the checkpoint keeps what was done.
+    Stopped,
+}
+
+impl RowRun<'_> {
+    /// Carry out the run, from its checkpoint where there is one.
+    ///
+    /// `progress` may stop it.
+    pub(crate) fn carry_out(
+        &self,
+        mut progress: impl FnMut(&Progress) -> Flow,
+    ) -> Result<Left, CampaignError> {
+        let rig = self.manifest.rig(self.row)?;
+        let observatory = Observatory::new(&rig, self.manifest.resolution())?;
+        let options: Options = observatory.options(1);
+        let (before, mut drum) = match checkpoint::read(&self.checkpoint)? {
+            Some((effort, state)) => (effort, Experiment::resume(&rig, &options, &state)?),
+            None => (Effort::default(), Experiment::new(&rig, &options)?),
+        };
+        let begun = Instant::now();
+        let effort = || Effort {
+            wall_s: before.wall_s + begun.elapsed().as_secs_f64(),
+            sessions: before.sessions + 1,
+        };
+        let mut saved = Instant::now();
+        let mut failed = None;
+        let outcome = drum.run(|drum, p| {
+            if saved.elapsed() >= self.every {
+                saved = Instant::now();
+                if let Err(e) = checkpoint::write(&self.checkpoint, effort(), &drum.checkpoint()) {
+                    failed = Some(e);
+                    return Flow::Stop;
+                }
+            }
+            progress(p)
+        })?;
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        checkpoint::write(&self.checkpoint, effort(), &drum.checkpoint())?;
+        if outcome == Outcome::Stopped {
+            return Ok(Left::Stopped);
+        }
+        let (particles, time_step_s) = (drum.grains().len(), drum.time_step());
+        let steps = drum.progress().steps;
+        let mut speeds = Vec::new();
+        for steady in &drum.into_sampled() {
+            speeds.push(speed_result(steady, &observatory.observe(steady)?));
+        }
+        Ok(Left::Done(Simulated { particles, time_step_s, steps, speeds }, effort()))
+    }
+}

@@ -1,0 +1,7 @@
+//! Campaigns as a caller meets them: interrupted, altered, repeated.
+
+mod export;
+mod faults;
+mod killed;
+mod small;
+mod vtk;

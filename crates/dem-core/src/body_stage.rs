@@ -1,0 +1,351 @@
+//! The stage of bodies: sums of forces, second half of a step, first half of the next.
+//!
+//! Between two evaluations of forces every body goes its own way, so both halves are done in one
+//! pass, piece by piece, while a body is in the cache.
+
+use glam::DVec3;
+
+use crate::contact::model::ContactLaw;
+use crate::contact_stage::{CHUNK, Collect, PIECE, Sums};
+use crate::energy::Flow;
+use crate::integrate::Integrator;
+use crate::list::Turn;
+use crate::particles::Record;
+use crate::rigid::FreeRotation;
+use crate::simd::{Quad, RecordWork, on_records};
+use crate::threads::cut;
+use crate::world::{BodyYield, Make, Members, SPHERE, World};
+
+/// What is done with the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Halves {
+    /// First half of a step: positions.
+    Drift,
+    /// Second half: forces are summed, velocities brought up.
+    Kick,
+    /// The second half of one step and the first half of the next.
+    KickAndDrift,
+    /// Forces are summed, and nothing else.
+    Sum,
+}
+
+/// A run of bodies.
+struct Run<'a> {
+    /// Place of the first.
+    begin: usize,
+    position: &'a mut [Record],
+    velocity: &'a mut [Record],
+    spin: &'a mut [Record],
+    acceleration: &'a mut [Record],
+    angular: &'a mut [Record],
+    mean_velocity: &'a mut [Record],
+    end_velocity: &'a mut [Record],
+    mean_spin: &'a mut [Record],
+    linear: &'a mut [Record],
+    turn: &'a mut [Record],
+}
+
+/// What is the same for all bodies in a kick.
+struct Kick<'a, M> {
+    make: &'a Make<M>,
+    members: &'a Members,
+    collect: Collect<'a>,
+    gravity: DVec3,
+    gravity_rate: DVec3,
+    ledger: bool,
+    /// Time step, s; 0 to sum forces only.
+    dt: f64,
+}
+
+/// What is the same for all bodies in a drift.
+struct Drift<'a> {
+    reference: &'a [Record],
+    frame: Turn,
+    /// Square of the displacement that calls for a list, m2.
+    limit: f64,
+    dt: f64,
+}
+
+/// The halves of a step for one piece of bodies.
+struct Piece<'a, M, I> {
+    integrator: I,
+    kick: Option<&'a Kick<'a, M>>,
+    drift: Option<&'a Drift<'a>>,
+    run: Run<'a>,
+    sums: &'a mut Sums,
+}
+
+impl<M, I: Integrator> RecordWork for Piece<'_, M, I> {
+    /// Powers, and whether the list may miss a pair.
+    type Yield = (Flow, bool);
+
+    #[inline(always)]
+    fn run<Q: Quad>(mut self) -> (Flow, bool) {
+        let mut flow = Flow::default();
+        if let Some(kick) = self.kick {
+            kick.bodies::<Q, I>(&self.integrator, &mut self.run, self.sums, &mut flow);
+        }
+        let moved_far = match self.drift {
+            Some(drift) => drift.bodies::<Q, I>(&self.integrator, &mut self.run),
+            None => false,
+        };
+        (flow, moved_far)
+    }
+}
+
+impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
+    /// Move all bodies; returns whether after a drift the list may miss a pair.
+    pub(crate) fn move_bodies(&mut self, halves: Halves) -> bool {
+        let (integrator, level) = (self.integrator, self.make.level);
+        let (kicks, drifts) =
+            (halves != Halves::Drift, matches!(halves, Halves::Drift | Halves::KickAndDrift));
+        let collect = Collect {
+            pairs: &self.state.pairs,
+            walls: &self.state.wall_list,
+            w: &self.scratch.wrenches,
+            late_start: &self.scratch.late_start,
+            late_ends: &self.scratch.late_ends,
+        };
+        let kick = Kick {
+            make: &self.make,
+            members: &self.state.members,
+            collect,
+            gravity: self.make.gravity.at(self.time()),
+            gravity_rate: self.gravity_rate(),
+            ledger: self.ledger_wanted,
+            dt: if halves == Halves::Sum { 0.0 } else { self.make.dt },
+        };
+        let drift = Drift {
+            reference: &self.state.list.reference,
+            frame: self.turn_since_list((self.state.step + 1) as f64 * self.make.dt),
+            limit: (0.5 * self.make.skin).powi(2),
+            dt: self.make.dt,
+        };
+        let chunks = &mut self.scratch.body_yield;
+        let b = &mut self.state.bodies;
+        let count = b.id.len().div_ceil(CHUNK);
+        chunks.resize(count, BodyYield::default());
+        let parts = (
+            cut(&mut b.position, CHUNK),
+            cut(&mut b.velocity, CHUNK),
+            cut(&mut b.spin, CHUNK),
+            cut(&mut b.acceleration, CHUNK),
+            cut(&mut b.angular_acceleration, CHUNK),
+            cut(&mut b.mean_velocity, CHUNK),
+            cut(&mut b.end_velocity, CHUNK),
+            cut(&mut b.mean_spin, CHUNK),
+            cut(&mut b.linear_memory, CHUNK),
+            cut(&mut b.angular_memory, CHUNK),
+            cut(chunks, 1),
+        );
+        self.team.each(count, parts, |c, (x, v, w, a, aw, mv, ev, mw, l, t, result)| {
+            let result = &mut result[0];
+            if kicks {
+                result.flow = Flow::default();
+            }
+            result.moved_far = false;
+            let mut sums = Sums::ZERO;
+            for piece in (0..x.len()).step_by(PIECE) {
+                let range = piece..(piece + PIECE).min(x.len());
+                let run = Run {
+                    begin: c * CHUNK + piece,
+                    position: &mut x[range.clone()],
+                    velocity: &mut v[range.clone()],
+                    spin: &mut w[range.clone()],
+                    acceleration: &mut a[range.clone()],
+                    angular: &mut aw[range.clone()],
+                    mean_velocity: &mut mv[range.clone()],
+                    end_velocity: &mut ev[range.clone()],
+                    mean_spin: &mut mw[range.clone()],
+                    linear: l.get_mut(range.clone()).unwrap_or_default(),
+                    turn: &mut t[range],
+                };
+                let kick = kicks.then_some(&kick);
+                let drift = drifts.then_some(&drift);
+                let piece = Piece { integrator, kick, drift, run, sums: &mut sums };
+                let (flow, moved_far) = on_records(level, piece);
+                result.flow.add(&flow);
+                result.moved_far |= moved_far;
+            }
+        });
+        drifts && self.scratch.body_yield.iter().any(|y| y.moved_far)
+    }
+
+    /// Turn the clumps freely between two kicks.
+    pub(crate) fn turn_clumps(&mut self) {
+        let (dt, shapes) = (self.make.dt, &self.make.shapes);
+        let b = &mut self.state.bodies;
+        let m = &mut self.state.members;
+        let torque = &b.angular_acceleration;
+        let shape = &m.shape;
+        let parts = (
+            cut(&mut m.attitude, CHUNK),
+            cut(&mut b.mean_spin, CHUNK),
+            cut(&mut m.end_spin, CHUNK),
+            cut(&mut b.angular_memory, CHUNK),
+        );
+        let count = shape.len().div_ceil(CHUNK);
+        self.team.each(count, parts, |c, (attitude, mean_spin, end_spin, momentum)| {
+            for k in 0..attitude.len() {
+                let g = c * CHUNK + k;
+                if shape[g] == SPHERE {
+                    continue;
+                }
+                let moments = shapes[shape[g] as usize].moments;
+                let half = momentum[k].vector() + torque[g].vector() * (0.5 * dt);
+                let turn = FreeRotation::turn(moments, attitude[k], half, dt);
+                attitude[k] = turn.orientation;
+                momentum[k].set(half);
+                mean_spin[k].set(turn.mean_spin);
+                let end = half + torque[g].vector() * (0.5 * dt);
+                end_spin[k].set(spin_of(end, turn.orientation, moments));
+            }
+        });
+    }
+}
+
+impl<M> Kick<'_, M> {
+    /// Collect forces and bring the velocities to the end of the step.
+    ///
+    /// Four numbers at once; the fourth, a scalar that stays, is put back at the end.
+    #[inline(always)]
+    fn bodies<Q: Quad, I: Integrator>(
+        &self,
+        integrator: &I,
+        run: &mut Run<'_>,
+        sums: &mut Sums,
+        flow: &mut Flow,
+    ) {
+        let (begin, end) = (run.begin, run.begin + run.position.len());
+        if self.make.shapes.is_empty() {
+            self.collect.spheres(begin, end, sums);
+        } else {
+            self.collect.bodies(self.members, begin, end, sums);
+        }
+        let dt = self.dt;
+        let gravity = Q::load(&Record::new(self.gravity, 0.0));
+        let run = run.even();
+        for (k, (force, torque)) in
+            sums.force.iter_mut().zip(&sums.torque).enumerate().take(end - begin)
+        {
+            let mass = run.velocity[k].w;
+            if let Some(drag) = &self.make.drag {
+                let v = run.end_velocity[k].vector();
+                let resistance = drag.force(mass, run.position[k].w, v);
+                force.add(resistance);
+                flow.drag -= resistance.dot(v);
+            }
+            if self.ledger {
+                flow.gravity_turn -= mass * self.gravity_rate.dot(run.position[k].vector());
+            }
+            let new = Q::load(force) * (1.0 / mass) + gravity;
+            let old = Q::load(&run.acceleration[k]);
+            new.with_scalar_of(old).store(&mut run.acceleration[k]);
+            let moment = run.spin[k].w;
+            let old_turn = Q::load(&run.angular[k]);
+            let inverse = if moment > 0.0 { 1.0 / moment } else { 1.0 };
+            let new_turn = Q::load(torque) * inverse;
+            new_turn.with_scalar_of(old_turn).store(&mut run.angular[k]);
+            if dt == 0.0 {
+                continue;
+            }
+            let mut memory = recall::<Q, I>(run.linear, k);
+            let velocity = Q::load(&run.velocity[k]);
+            let v = integrator.kick(velocity, old, new, &mut memory, dt);
+            v.with_scalar_of(velocity).store(&mut run.velocity[k]);
+            remember::<Q, I>(run.linear, k, memory);
+            if moment > 0.0 {
+                let mut memory = recall::<Q, I>(run.turn, k);
+                let spin = Q::load(&run.spin[k]);
+                let w = integrator.kick(spin, old_turn, new_turn, &mut memory, dt);
+                w.with_scalar_of(spin).store(&mut run.spin[k]);
+                remember::<Q, I>(run.turn, k, memory);
+            } else {
+                let m = self.members;
+                let momentum = run.turn[k].vector() + torque.vector() * (0.5 * dt);
+                run.turn[k].set(momentum);
+                let moments = self.make.shapes[m.shape[begin + k] as usize].moments;
+                run.spin[k].set(spin_of(momentum, m.attitude[begin + k], moments));
+            }
+        }
+    }
+}
+
+impl Drift<'_> {
+    /// Move on to the next step; returns whether the list may miss a pair there.
+    #[inline(always)]
+    fn bodies<Q: Quad, I: Integrator>(&self, integrator: &I, run: &mut Run<'_>) -> bool {
+        let dt = self.dt;
+        let mut moved_far = false;
+        let [x, y, z, shift] = &self.frame.columns();
+        let (x, y, z, shift) = (Q::load(x), Q::load(y), Q::load(z), Q::load(shift));
+        let reference = &self.reference[run.begin..run.begin + run.position.len()];
+        let run = run.even();
+        for (k, r) in reference.iter().enumerate().take(run.position.len()) {
+            let mut memory = recall::<Q, I>(run.linear, k);
+            let (v, a) = (Q::load(&run.velocity[k]), Q::load(&run.acceleration[k]));
+            let d = integrator.drift(v, a, &mut memory, dt);
+            remember::<Q, I>(run.linear, k, memory);
+            let position = Q::load(&run.position[k]);
+            let position = (position + d.mean_velocity * dt).with_scalar_of(position);
+            position.store(&mut run.position[k]);
+            let old = Q::load(&run.mean_velocity[k]);
+            d.mean_velocity.with_scalar_of(old).store(&mut run.mean_velocity[k]);
+            let old = Q::load(&run.end_velocity[k]);
+            d.end_velocity.with_scalar_of(old).store(&mut run.end_velocity[k]);
+            // A clump has no single moment of inertia: it turns elsewhere.
+            if run.spin[k].w > 0.0 {
+                let mut memory = recall::<Q, I>(run.turn, k);
+                let (w, a) = (Q::load(&run.spin[k]), Q::load(&run.angular[k]));
+                let d = integrator.drift(w, a, &mut memory, dt);
+                remember::<Q, I>(run.turn, k, memory);
+                let old = Q::load(&run.mean_spin[k]);
+                d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
+            }
+            let moved = (position - (x * r.x + y * r.y + z * r.z + shift)).length_squared();
+            moved_far |= moved > self.limit || moved.is_nan();
+        }
+        moved_far
+    }
+}
+
+impl Run<'_> {
+    /// The same run, its slices cut to one length that the compiler knows to be one.
+    #[inline(always)]
+    fn even(&mut self) -> Run<'_> {
+        let n = self.position.len();
+        Run {
+            begin: self.begin,
+            position: &mut self.position[..n],
+            velocity: &mut self.velocity[..n],
+            spin: &mut self.spin[..n],
+            acceleration: &mut self.acceleration[..n],
+            angular: &mut self.angular[..n],
+            mean_velocity: &mut self.mean_velocity[..n],
+            end_velocity: &mut self.end_velocity[..n],
+            mean_spin: &mut self.mean_spin[..n],
+            linear: &mut *self.linear,
+            turn: &mut self.turn[..n],
+        }
+    }
+}
+
+/// What the integrator remembers, if it does.
+#[inline(always)]
+fn recall<Q: Quad, I: Integrator>(records: &[Record], k: usize) -> Q {
+    Q::load(if I::REMEMBERS { &records[k] } else { &Record::ZERO })
+}
+
+/// Keep what the integrator remembers, if it does.
+#[inline(always)]
+fn remember<Q: Quad, I: Integrator>(records: &mut [Record], k: usize, memory: Q) {
+    if I::REMEMBERS {
+        let record = &mut records[k];
+        memory.with_scalar_of(Q::load(record)).store(record);
+    }
+}
+
+/// Angular velocity in the laboratory of a body with this angular momentum.
+fn spin_of(momentum: DVec3, attitude: glam::DQuat, moments: DVec3) -> DVec3 {
+    attitude * ((attitude.conjugate() * momentum) / moments)
+}

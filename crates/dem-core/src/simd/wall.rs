@@ -1,0 +1,330 @@
+//! Contacts of spheres with analytic walls, eight at a time, wall by wall.
+//!
+//! First every entry of the list is held against its wall without a root; those that may touch,
+//! or did, are collected by wall and computed in groups of eight by the laws of
+//! `hertz_mindlin.rs`. Operation by operation as `touch_wall` in `forces.rs` and the shapes'
+//! `nearest`: `simd_and_portable_kernels_agree_bit_by_bit` tells.
+
+use glam::DVec3;
+
+use super::hertz_mindlin::{Laws, Motion, PairKernel, SLOTS, respond};
+use super::lanes::{Lanes, V3};
+use super::{Level, widened};
+use crate::forces::{ChunkYield, TOUCHES};
+use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};
+use crate::neighbour::verlet_list::memory_index;
+use crate::particles::Record;
+
+/// A chunk of the wall list.
+pub(crate) struct WallRun<'a> {
+    pub(crate) walls: &'a [PlacedWall],
+    pub(crate) sphere: &'a [u32],
+    pub(crate) wall: &'a [u16],
+    pub(crate) active: &'a mut [u8],
+    pub(crate) memory: &'a mut [f64],
+    pub(crate) force: &'a mut [Record],
+    pub(crate) torque: &'a mut [Record],
+    pub(crate) on_wall: &'a mut [Record],
+}
+
+/// Most entries that are collected before they are computed.
+const HITS: usize = 256;
+
+impl PairKernel<'_> {
+    /// Compute a chunk of the wall list.
+    pub(crate) fn wall_contacts(&self, level: Level, run: &mut WallRun<'_>, into: &mut ChunkYield) {
+        let (mut begin, mut g) = (0, Group::EMPTY);
+        while begin < run.sphere.len() {
+            let mut hits = [0u32; HITS];
+            let end = (begin + HITS).min(run.sphere.len());
+            let mut count = self.hits(run, begin..end, &mut hits);
+            // Those of the first one's wall, eight by eight; the others move up.
+            while count > 0 {
+                let wall = run.wall[hits[0] as usize];
+                let (mut group, mut lanes, mut left) = ([0u32; 8], 0, 0);
+                for h in 0..count {
+                    let entry = hits[h];
+                    if run.wall[entry as usize] == wall && lanes < 8 {
+                        group[lanes] = entry;
+                        lanes += 1;
+                    } else {
+                        hits[left] = entry;
+                        left += 1;
+                    }
+                }
+                count = left;
+                self.group(level, run, wall, &group[..lanes], &mut g, into);
+            }
+            begin = end;
+        }
+    }
+
+    /// Collect the entries that may touch or did; the others have no force.
+    fn hits(
+        &self,
+        run: &mut WallRun<'_>,
+        entries: std::ops::Range<usize>,
+        hits: &mut [u32; HITS],
+    ) -> usize {
+        let mut count = 0;
+        for e in entries {
+            let centre = &self.spheres.position[run.sphere[e] as usize];
+            let wall = &run.walls[run.wall[e] as usize];
+            let misses = run.active[e] == 0 && wall.misses(centre.vector(), centre.w);
+            if misses {
+                run.force[e] = Record::ZERO;
+                run.torque[e] = Record::ZERO;
+                run.on_wall[e] = Record::ZERO;
+            }
+            hits[count] = e as u32;
+            count += usize::from(!misses);
+        }
+        count
+    }
+
+    /// Compute up to eight contacts with one wall.
+    fn group(
+        &self,
+        level: Level,
+        run: &mut WallRun<'_>,
+        wall: u16,
+        entries: &[u32],
+        g: &mut Group,
+        into: &mut ChunkYield,
+    ) {
+        let placed = &run.walls[wall as usize];
+        g.valid = ((1u16 << entries.len()) - 1) as u8;
+        for lane in 0..8 {
+            // Lanes beyond the last repeat the first.
+            let e = entries.get(lane).or(entries.first()).map_or(0, |&e| e as usize);
+            g.places[lane] = run.sphere[e];
+            for slot in 0..SLOTS {
+                g.memory[slot][lane] = run.memory[memory_index(SLOTS, e, slot)];
+            }
+        }
+        widened(
+            level,
+            #[inline(always)]
+            || {
+                // SAFETY: the lists hold places of spheres.
+                #[cfg(target_arch = "x86_64")]
+                match (level, self.fast_roots) {
+                    (Level::Avx512, true) => unsafe {
+                        self.contacts::<super::avx::Wide, true>(placed, g);
+                    },
+                    (Level::Avx512, false) => unsafe {
+                        self.contacts::<super::avx::Wide, false>(placed, g);
+                    },
+                    (Level::Avx2, _) => unsafe {
+                        self.contacts::<super::avx::Pair, false>(placed, g);
+                    },
+                    (Level::Portable, _) => {}
+                }
+            },
+        );
+        for (lane, &e) in entries.iter().enumerate() {
+            let e = e as usize;
+            run.active[e] = if g.touching >> lane & 1 != 0 { TOUCHES } else { 0 };
+            run.force[e] = g.force[lane];
+            run.torque[e] = g.torque[lane];
+            run.on_wall[e] = g.on_wall[lane];
+            for slot in 0..SLOTS {
+                run.memory[memory_index(SLOTS, e, slot)] = g.memory[slot][lane];
+            }
+            if g.deep >> lane & 1 != 0 {
+                let sphere = g.places[lane];
+                let radius = self.spheres.position[sphere as usize].w;
+                into.note_overlap(g.overlap[lane] / radius, sphere, u32::from(wall), true);
+            }
+        }
+    }
+
+    /// # Safety
+    /// Every place of the group is that of a sphere.
+    #[inline(always)]
+    unsafe fn contacts<V: Lanes, const FAST: bool>(&self, wall: &PlacedWall, g: &mut Group) {
+        let s = &self.spheres;
+        // SAFETY: by the caller.
+        let (p, v, w, end) = unsafe {
+            (
+                V::gather(s.position, &g.places),
+                V::gather(s.mean_velocity, &g.places),
+                V::gather(s.mean_spin, &g.places),
+                V::gather(s.end_velocity, &g.places),
+            )
+        };
+        let (x, radius, mass) = (V3::of(p), p[3], v[3]);
+        let near = nearest::<V>(wall, s.position, &g.places, x, g.valid);
+        let zero = V::splat(0.0);
+        let overlap = radius - near.distance;
+        let touching = zero.less(overlap) & overlap.less(V::splat(2.0) * radius) & g.valid;
+        g.touching = touching;
+        g.deep = (V::splat(self.overlap_limit) * radius).less(overlap) & touching;
+        overlap.store(&mut g.overlap);
+        let material = usize::from(wall.material.0);
+        let laws = if let Some(own) = self.one_material {
+            Laws::<V>::splat(&self.all[own * self.materials + material])
+        } else {
+            let mut own = [0.0; 8];
+            w[3].store(&mut own);
+            Laws::lanes(std::array::from_fn(|k| {
+                &self.all[own[k] as usize * self.materials + material]
+            }))
+        };
+        let (n, w) = (near.normal, V3::of(w));
+        let dt = V::splat(self.dt);
+        let one = V::splat(1.0);
+        let lever_i = near.distance;
+        let point = x + n * lever_i;
+        let spin = splat::<V>(wall.mean_velocity.spin);
+        let approach = V3::of(v) - velocity_at(&wall.mean_velocity, point);
+        let back = V::splat(0.5 * self.dt) * approach.dot(n);
+        let relative = approach + (w * (lever_i + back)).cross(n);
+        let motion = Motion {
+            normal: n,
+            overlap,
+            rate: (V3::of(end) - velocity_at(&wall.velocity, point)).dot(n),
+            slip: relative - n * relative.dot(n),
+            spin_i: w,
+            spin_j: spin,
+            lever_i,
+            lever_j: zero,
+            r_star: one / (one / radius + one / near.wall_radius),
+            m_star: mass,
+            twist: V::splat(0.5) * (w + spin).dot(n) * dt,
+            dt,
+        };
+        let m = &mut g.memory;
+        let old = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
+        let out = respond::<V, FAST>(&motion, &laws, old, V::load(&m[3]), touching);
+        let none = V3::splat(0.0);
+        let spring = out.spring.select(touching, none);
+        spring.x.store(&mut m[0]);
+        spring.y.store(&mut m[1]);
+        spring.z.store(&mut m[2]);
+        out.stiffness.select(touching, zero).store(&mut m[3]);
+        // On the wall, about the centre of the sphere.
+        let on_wall = out.torque_j - (n * lever_i).cross(out.force);
+        let f = out.force.select(touching, none);
+        V::scatter([f.x, f.y, f.z, zero], &mut g.force);
+        let t = out.torque_i.select(touching, none);
+        V::scatter([t.x, t.y, t.z, zero], &mut g.torque);
+        let t = on_wall.select(touching, none);
+        V::scatter([t.x, t.y, t.z, zero], &mut g.on_wall);
+    }
+}
+
+/// Eight contacts with one wall, outside of registers.
+struct Group {
+    places: [u32; 8],
+    /// Lanes that hold an entry, that touch, that overlap too deeply.
+    valid: u8,
+    touching: u8,
+    deep: u8,
+    overlap: [f64; 8],
+    memory: [[f64; 8]; SLOTS],
+    force: [Record; 8],
+    torque: [Record; 8],
+    on_wall: [Record; 8],
+}
+
+impl Group {
+    const EMPTY: Self = Self {
+        places: [0; 8],
+        valid: 0,
+        touching: 0,
+        deep: 0,
+        overlap: [0.0; 8],
+        memory: [[0.0; 8]; SLOTS],
+        force: [Record::ZERO; 8],
+        torque: [Record::ZERO; 8],
+        on_wall: [Record::ZERO; 8],
+    };
+}
+
+/// `geometry::Nearest` of eight spheres.
+struct Near<V> {
+    normal: V3<V>,
+    distance: V,
+    wall_radius: V,
+}
+
+#[inline(always)]
+fn splat<V: Lanes>(v: DVec3) -> V3<V> {
+    V3 { x: V::splat(v.x), y: V::splat(v.y), z: V::splat(v.z) }
+}
+
+/// `RigidVelocity::at`.
+#[inline(always)]
+fn velocity_at<V: Lanes>(v: &RigidVelocity, x: V3<V>) -> V3<V> {
+    splat::<V>(v.velocity) + splat::<V>(v.spin).cross(x - splat::<V>(v.point))
+}
+
+/// Nearest points of a wall to eight spheres, of which only `valid` ones matter.
+#[inline(always)]
+fn nearest<V: Lanes>(
+    wall: &PlacedWall,
+    position: &[Record],
+    places: &[u32; 8],
+    x: V3<V>,
+    valid: u8,
+) -> Near<V> {
+    let zero = V::splat(0.0);
+    let flat = V::splat(f64::INFINITY);
+    match &wall.shape {
+        PlacedShape::Plane(p) => {
+            let distance = (x - splat(p.point)).dot(splat(p.normal));
+            return Near { normal: -splat::<V>(p.normal), distance, wall_radius: flat };
+        }
+        PlacedShape::Disc(c) => {
+            let normal = splat::<V>(c.normal);
+            let d = x - splat(c.centre);
+            let height = d.dot(normal);
+            let radial = d - normal * height;
+            let rho_squared = radial.dot(radial);
+            let beyond = V::splat(c.radius * c.radius).less(rho_squared)
+                | rho_squared.less(V::splat(c.hole_radius * c.hole_radius));
+            if beyond & valid == 0 {
+                let behind = height.less(zero);
+                let normal = normal.select(behind, -normal);
+                return Near { normal, distance: height.abs(), wall_radius: flat };
+            }
+        }
+        PlacedShape::Cylinder(c) if c.length.is_none() && c.side == Side::Inside => {
+            let axis = splat::<V>(c.axis);
+            let d = x - splat(c.point);
+            let radial = d - axis * d.dot(axis);
+            let rho = radial.dot(radial).sqrt();
+            if valid & !zero.less(rho) == 0 {
+                return Near {
+                    normal: radial * (V::splat(1.0) / rho),
+                    distance: V::splat(c.radius) - rho,
+                    wall_radius: V::splat(-2.0 * c.radius),
+                };
+            }
+        }
+        _ => {}
+    }
+    one_by_one(wall, position, places)
+}
+
+/// The same by the shape's own function.
+#[cold]
+fn one_by_one<V: Lanes>(wall: &PlacedWall, position: &[Record], places: &[u32; 8]) -> Near<V> {
+    let mut columns = [[0.0; 8]; 5];
+    for (lane, &place) in places.iter().enumerate() {
+        if let Some(n) = wall.nearest(position[place as usize].vector()) {
+            let normal = n.normal_to_wall;
+            let fields = [normal.x, normal.y, normal.z, n.distance, n.wall_radius];
+            for (column, field) in columns.iter_mut().zip(fields) {
+                column[lane] = field;
+            }
+        }
+    }
+    let [x, y, z, distance, wall_radius] = &columns;
+    Near {
+        normal: V3 { x: V::load(x), y: V::load(y), z: V::load(z) },
+        distance: V::load(distance),
+        wall_radius: V::load(wall_radius),
+    }
+}

@@ -1,0 +1,133 @@
+//! Simulate drums and seal what was done to them.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::Context;
+use close_loop::campaign::{Laboratory, Resolution, Run, Sampling};
+use close_loop::rig_schema::Rig;
+
+use super::drums::{self, DOSES};
+use super::sealed::{Truth, seal};
+
+/// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number.
+fn rig_text(law: &str, frames: u32) -> String {
+    format!(
+        r#"name = "blind"
+{law}
+drum = {{ radius_m = 0.05, length_m = 0.034, mantle = "glass", end_plates = "glass", ends = "periodic" }}
+particles = {{ material = "glass", shape = {{ sphere = {{ diameter_m = 0.006 }} }} }}
+size = {{ spread = 0.12 }}
+fill.count = 560
+friction = {{ pp = 0.4, mantle = 0.9 }}
+restitution = {{ pp = 0.6, mantle = 0.6 }}
+rolling = {{ pp = 0.01, mantle = 0.01 }}
+camera = {{ distance_m = 0.5 }}
+run = {{ speeds_rpm = [15.0, 30.0, 45.0, 60.0], frames = {frames}, time_step_s = 2e-4 }}
+[materials]
+glass = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e5 }}
+"#
+    )
+}
+
+/// The case file: the rig, and what is asked.
+pub(crate) fn case_text(without: &[String]) -> String {
+    let mut text = rig_text("", 20);
+    text.push_str(
+        "\n[data]\nresponses = \"measured.csv\"\n\n[free]\nfriction.pp = { range = [0.15, 0.9] }\n\n[holdout]\nspeeds_rpm = [30.0]\n\n[simulator.rig]\ncoarse = false\n",
+    );
+    if !without.is_empty() {
+        let names: Vec<String> = without.iter().map(|n| format!("\"{n}\"")).collect();
+        let _ = write!(text, "\n[catalogue]\nwithout = [{}]\n", names.join(", "));
+    }
+    text
+}
+
+/// The rig that nature runs: other fillings, a finer step.
+pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
+    let law = truth
+        .effects
+        .iter()
+        .filter_map(|(path, _)| DOSES.iter().find(|d| d.path == path))
+        .map(|d| d.law)
+        .find(|l| !l.is_empty())
+        .unwrap_or("");
+    let mut rig = Rig::parse("blind.toml", &rig_text(law, 48))?;
+    let mut set = |path: &str, value: f64| {
+        rig.settings.set(path, value).map_err(|_| anyhow::anyhow!("{path} = {value} is refused"))
+    };
+    set("step.scale", 0.7)?;
+    for (path, value) in truth.frictions.iter().chain(&truth.effects) {
+        set(path, *value)?;
+        let along = DOSES.iter().find(|d| d.path == path).map_or(&[][..], |d| d.along);
+        for other in along {
+            set(other, *value)?;
+        }
+    }
+    rig.run.seed = seed;
+    Ok(rig)
+}
+
+/// Where nature happens: a finer picture than any fit uses.
+pub(crate) fn nature_lab(folder: &Path, jobs: usize) -> anyhow::Result<Laboratory> {
+    let resolution = Resolution { width_px: 640, ..Resolution::default() };
+    let sampling = Sampling { resolution, frame_interval_s: Some(0.15), ..Sampling::default() };
+    Ok(Laboratory::open(&folder.join("nature"), jobs, sampling)?)
+}
+
+/// A run as a table of measured responses.
+pub(crate) fn table(run: &Run) -> String {
+    let mut text = String::from(
+        "omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_frames,n_eff,cov_lin_mid,cov_lin_x,cov_lin_y,cov_mid_x,cov_mid_y,cov_x_y\n",
+    );
+    for s in &run.speeds {
+        // One number of independent frames for all: the covariance of the means stays theirs.
+        let n = s.n_eff.iter().sum::<f64>() / 4.0;
+        let _ = write!(text, "{}", s.omega_rpm);
+        for r in 0..4 {
+            let _ = write!(text, ",{:.4},{:.4}", s.mean[r], (s.covariance[r][r] * n).sqrt());
+        }
+        let _ = write!(text, ",{},{n:.2}", s.n_frames);
+        for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+            let _ = write!(text, ",{:.5}", s.covariance[a][b] * n);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+pub(crate) fn run(folder: &Path, seed: u64, jobs: usize) -> anyhow::Result<()> {
+    let truths = drums::all(seed);
+    let key = *blake3::hash(format!("seal {seed}").as_bytes()).as_bytes();
+    let sealed = folder.join("truth");
+    std::fs::create_dir_all(&sealed)?;
+    let lab = nature_lab(folder, jobs)?;
+    let rigs = truths
+        .iter()
+        .enumerate()
+        .map(|(k, t)| nature(t, seed * 1000 + 17 * k as u64))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    println!("{} drums", rigs.len());
+    let runs = lab.run(&rigs, |d| {
+        let cost = d.run.map_or(f64::NAN, |r| r.cost_s);
+        println!("{} of {}: {cost:.0} s", d.index + 1, rigs.len());
+    });
+    for (truth, run) in truths.iter().zip(runs) {
+        let run = run.with_context(|| truth.case.clone())?;
+        let own = folder.join("cases").join(&truth.case);
+        std::fs::create_dir_all(&own)?;
+        let without: Vec<String> = if truth.kind == "removed" {
+            truth.effects.iter().map(|(p, _)| p.clone()).collect()
+        } else {
+            Vec::new()
+        };
+        std::fs::write(own.join("case.toml"), case_text(&without))?;
+        std::fs::write(own.join("measured.csv"), table(&run))?;
+        let text = serde_json::to_string(truth)?;
+        std::fs::write(sealed.join(format!("{}.sealed", truth.case)), seal(&text, &key))?;
+    }
+    let hex: String = key.iter().map(|b| format!("{b:02x}")).collect();
+    std::fs::write(sealed.join("key"), hex)?;
+    println!("{} cases in {}", truths.len(), folder.display());
+    Ok(())
+}

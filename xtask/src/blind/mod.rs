@@ -1,0 +1,77 @@
+//! `cargo xtask blind`: sealed cases, and how many of them closing the loop gets right.
+//!
+//! `make` simulates drums with an effect that the case file does not tell, by other fillings, a
+//! finer step and a finer picture than any fit uses, and seals what it did. `score` closes the loop
+//! on every case, writes its answer, and only then opens the truth. `nulls` counts false alarms on
+//! many simulated drums that lack nothing.
+
+mod drums;
+mod make;
+mod matrix;
+mod nulls;
+mod score;
+mod sealed;
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+/// What to do with sealed cases.
+#[derive(Args)]
+pub(crate) struct Blind {
+    #[command(subcommand)]
+    task: Task,
+    /// Folder of the cases.
+    #[arg(long, global = true, default_value = "target/blind")]
+    folder: PathBuf,
+    /// Simulations at a time.
+    #[arg(long, global = true, default_value_t = 2)]
+    jobs: usize,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Simulate and seal.
+    Make {
+        /// Seed of everything.
+        #[arg(long, default_value_t = 2026)]
+        seed: u64,
+    },
+    /// Close the loop on every case, then open the truth.
+    Score {
+        /// Most runs for each case.
+        #[arg(long, default_value_t = 75)]
+        runs: usize,
+        /// Only cases whose name contains this.
+        #[arg(long)]
+        only: Option<String>,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// False alarms on simulated drums that lack nothing.
+    Nulls {
+        /// Drums.
+        #[arg(long, default_value_t = 200)]
+        count: usize,
+        /// Most runs for each.
+        #[arg(long, default_value_t = 75)]
+        runs: usize,
+    },
+}
+
+/// Carry out a task.
+pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
+    let folder = if blind.folder.is_absolute() {
+        blind.folder.clone()
+    } else {
+        crate::root().join(&blind.folder)
+    };
+    match &blind.task {
+        Task::Make { seed } => make::run(&folder, *seed, blind.jobs),
+        Task::Score { runs, only, json } => {
+            score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)
+        }
+        Task::Nulls { count, runs } => nulls::run(&folder, *count, *runs, blind.jobs),
+    }
+}
