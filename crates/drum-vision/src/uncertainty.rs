@@ -67,7 +67,7 @@ impl Default for Weights {
             grain: 0.62,
             circle: 0.3,
             threshold: 0.46,
-            bridged: 1.5,
+            bridged: 2.5,
             lit: 3.2,
             floor_px: 0.005,
             circle_floor_px: 0.006,
