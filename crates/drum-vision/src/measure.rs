@@ -52,10 +52,20 @@ pub enum Warning {
         /// Fraction that was visible.
         visible: f64,
     },
-    /// A saturated reflex lies on the surface; what it hides is bridged, its flanks may have been taken for the bed.
+    /// A reflex lies on the surface; what it hides is bridged, its flanks may have been taken for the bed.
     GlareOnSurface {
         /// Fraction of the surface that it touches.
         fraction: f64,
+    },
+    /// The surface meets the wall at so small an angle that its end is not seen but continued.
+    EndContinued {
+        /// Continued length at one end over the length of the surface.
+        fraction: f64,
+    },
+    /// The stated uncertainty of a response is large.
+    LargeUncertainty {
+        /// Largest standard uncertainty of the four responses, degrees or percent of the radius.
+        sd: f64,
     },
     /// The edge is blurred over many pixels.
     BlurredEdge {
@@ -86,6 +96,14 @@ impl fmt::Display for Warning {
             Self::GlareOnSurface { fraction } => {
                 write!(f, "a reflex touches {:.0} % of the surface", 100.0 * fraction)
             }
+            Self::EndContinued { fraction } => write!(
+                f,
+                "the last {:.0} % of the surface at one end are too thin to be seen and are continued",
+                100.0 * fraction
+            ),
+            Self::LargeUncertainty { sd } => {
+                write!(f, "the uncertainty of a response is {sd:.2} deg or % of the radius")
+            }
             Self::BlurredEdge { width_px } => {
                 write!(f, "the edge of the bed is blurred over {width_px:.1} px")
             }
@@ -114,6 +132,8 @@ pub struct FrameMeasurement {
     pub scatter_px: f64,
     /// Width of the edge from 20 to 80 % of the contrast, pixels.
     pub edge_width_px: f64,
+    /// Share of the surface between its outermost edge point and the wall, at the worse end.
+    pub continued: f64,
     /// What a reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -175,6 +195,13 @@ impl FrameMeasurement {
 
 /// Least and largest apparent fill that still shows a free surface worth a line.
 const FILL_RANGE: (f64, f64) = (0.015, 0.97);
+
+/// Share of the surface that may be continued at an end without a word.
+const CONTINUED: f64 = 0.04;
+
+/// Standard uncertainty from which a frame carries a warning, degrees or percent of the radius: half of the error of 0.5 that a
+/// degraded frame may have.
+const LARGE_SD: f64 = 0.25;
 
 /// What a frame may need from outside of itself.
 #[derive(Clone, Copy, Debug, Default)]
@@ -290,6 +317,14 @@ fn finish(
     if curve.glare > 0.0 {
         warnings.push(Warning::GlareOnSurface { fraction: curve.glare });
     }
+    let continued = continued_share(curve, &surface);
+    if continued > CONTINUED {
+        warnings.push(Warning::EndContinued { fraction: continued });
+    }
+    let sd = budget.total()[..4].iter().copied().fold(0.0, f64::max);
+    if sd > LARGE_SD {
+        warnings.push(Warning::LargeUncertainty { sd });
+    }
     if curve.edge_width_px > (0.06 * local.radius_px).max(6.0) {
         warnings.push(Warning::BlurredEdge { width_px: curve.edge_width_px });
     }
@@ -303,8 +338,22 @@ fn finish(
         visible: curve.visible,
         scatter_px: curve.smoothed.scatter,
         edge_width_px: curve.edge_width_px,
+        continued,
         warnings,
     })
+}
+
+/// Length from the outermost believed edge to the wall at the worse end, over the length of the surface.
+fn continued_share(curve: &Curve, surface: &Surface) -> f64 {
+    let held = |(_, w): &(&f64, &f64)| **w > 0.05;
+    let mut points = curve.u_px.iter().zip(&curve.smoothed.weights).filter(held).map(|(u, _)| *u);
+    let Some(first) = points.next() else { return 1.0 };
+    let last = points.last().unwrap_or(first);
+    let (cos, sin) = curve.axes.turn;
+    let ends = [surface.points[0], surface.points[surface.points.len() - 1]]
+        .map(|(x, y)| x * cos + y * sin);
+    let span = (ends[1] - ends[0]).abs().max(1.0);
+    (first - ends[0]).max(ends[1] - last) / span
 }
 
 /// Refuses a black frame, by the 99th percentile of every seventh pixel.

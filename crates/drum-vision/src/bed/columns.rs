@@ -143,6 +143,7 @@ pub(crate) fn curve_of_mask(
         smoothed,
         visible,
         glare: 0.0,
+        lit: Vec::new(),
         level_shift_px,
         level_scatter: 0.1,
         contrast: 0.0,

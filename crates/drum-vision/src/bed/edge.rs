@@ -23,8 +23,10 @@ pub struct Curve {
     pub smoothed: Smoothed,
     /// Fraction of the surface, outside of the hub, on which an edge was found and accepted.
     pub visible: f64,
-    /// Fraction of the surface that a saturated reflex touches.
+    /// Fraction of the surface that a reflex touches.
     pub glare: f64,
+    /// Stretches `(from, to)` of `u` that a faint reflex lights: measured, but not to be trusted, pixels.
+    pub lit: Vec<(f64, f64)>,
     /// Half the change of `v` when the threshold moves by a tenth of the contrast either way, at every point.
     pub level_shift_px: Vec<f64>,
     /// Standard deviation of the threshold along the surface (of the greys beside the edge), fraction of the contrast.
@@ -73,7 +75,11 @@ pub fn trace_edges(
     let mut curve: Option<Curve> = None;
     for round in 0..2 {
         let centre = curve.as_ref().map_or(&start, |c| &c.smoothed).spline.clone();
-        let lines = lines_across(prepared, boundary, &centre);
+        let mut lines = lines_across(prepared, boundary, &centre);
+        let reflexes = super::reflex::lit_stretches(&traces(&lines), radius);
+        for line in &mut lines {
+            line.lit = reflexes.iter().any(|r| (r.0..=r.1).contains(&line.u));
+        }
         let points = crossings(prepared, boundary, config, &lines);
         let used: Vec<&Crossing> = points.iter().filter(|p| p.v[0].is_some()).collect();
         let found = used.len();
@@ -104,7 +110,9 @@ pub fn trace_edges(
             u_px: u,
             smoothed,
             visible,
-            glare: lines.iter().filter(|l| l.glare).count() as f64 / lines.len().max(1) as f64,
+            glare: lines.iter().filter(|l| l.glare || l.lit).count() as f64
+                / lines.len().max(1) as f64,
+            lit: reflexes,
             level_shift_px,
             level_scatter: level_scatter(&used),
             contrast: median_in_place(&mut contrasts).unwrap_or(0.0),
@@ -223,6 +231,8 @@ struct Line {
     slope: f64,
     /// Whether a reflex hides part of it.
     glare: bool,
+    /// Whether a faint reflex lights it.
+    lit: bool,
 }
 
 struct Crossing {
@@ -284,9 +294,29 @@ fn lines_across(
                 prepared.plane.sample(x, y)
             })
             .collect();
-        lines.push(Line { u, centre: v, grey, slope: centre.slope(u), glare });
+        lines.push(Line { u, centre: v, grey, slope: centre.slope(u), glare, lit: false });
     }
     lines
+}
+
+/// What [`super::reflex`] looks at: place, grey of the outer zone above the edge and of the brightest part of each line.
+fn traces(lines: &[Line]) -> Vec<super::reflex::Trace> {
+    let dark = |grey: &[f64]| {
+        let mut held: Vec<f64> =
+            grey[..grey.len() * 28 / 100].iter().copied().filter(|g| !g.is_nan()).collect();
+        if held.len() < 3 { None } else { median_in_place(&mut held) }
+    };
+    let bright = |grey: &[f64]| {
+        let held: Vec<f64> = grey.iter().copied().filter(|g| !g.is_nan()).collect();
+        if held.len() * 3 < grey.len() {
+            return None;
+        }
+        crate::statistics::quantile(&held, 0.85)
+    };
+    lines
+        .iter()
+        .map(|l| super::reflex::Trace { u: l.u, greys: [dark(&l.grey), bright(&l.grey)] })
+        .collect()
 }
 
 fn crossings(

@@ -4,5 +4,6 @@ pub mod boundary;
 pub mod columns;
 pub mod edge;
 pub mod prepare;
+pub(crate) mod reflex;
 pub mod region;
 pub mod split;

@@ -28,14 +28,14 @@ fn covers(all: &[Outcome]) {
     for k in 0..4 {
         let inside = all.iter().filter(|o| o.error[k].abs() <= 2.0 * o.sd[k]).count();
         let share = inside as f64 / all.len() as f64;
-        // 95 % are meant; of 50 frames 88 % may be seen by chance.
+        // 92 to 97 % were seen on 500 frames of this size (VALIDATION.md); of 120 frames 88 % may be seen by chance.
         assert!(share >= 0.88, "response {k}: covered in {share:.2}");
     }
 }
 
 #[test]
 fn clean_frames_are_read_to_a_sixth_of_a_degree() {
-    let (good, rejected) = outcomes(scenes::clean, 50);
+    let (good, rejected) = outcomes(scenes::clean, 120);
     assert_eq!(rejected, 0);
     for k in 0..2 {
         // 0.15 deg on the full set at full size; at a quarter of the width grains are 2 to 4 px.
@@ -47,11 +47,15 @@ fn clean_frames_are_read_to_a_sixth_of_a_degree() {
 
 #[test]
 fn degraded_frames_are_read_to_half_a_degree() {
-    let (good, rejected) = outcomes(scenes::degraded, 50);
-    assert!(rejected <= 2, "{rejected} of 50 rejected");
+    let (good, rejected) = outcomes(scenes::degraded, 120);
+    assert!(rejected <= 6, "{rejected} of 120 rejected");
     for k in 0..2 {
         assert!(error(&good, k, 0.95) < 0.5, "{}", error(&good, k, 0.95));
         assert!(error(&good, k + 2, 0.95) < 0.5, "{}", error(&good, k + 2, 0.95));
     }
     covers(&good);
+    for o in &good {
+        let failed = o.error.iter().any(|e| e.abs() > 0.5);
+        assert!(!failed || !o.warnings.is_empty(), "an error of {:?} without a warning", o.error);
+    }
 }

@@ -69,7 +69,9 @@ pub(crate) struct Outcome {
     pub(crate) circle: [f64; 3],
     pub(crate) budget: drum_vision::uncertainty::Budget,
     pub(crate) radius_px: f64,
-    pub(crate) warned: bool,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) continued: f64,
+    pub(crate) visible: f64,
 }
 
 pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, VisionError> {
@@ -84,7 +86,9 @@ pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, Vis
         circle: [c.x_px - t.center_x_px, c.y_px - t.center_y_px, c.radius_px - t.radius_px],
         budget: m.budget,
         radius_px: c.radius_px,
-        warned: !m.warnings.is_empty(),
+        warnings: m.warnings.iter().map(ToString::to_string).collect(),
+        continued: m.continued,
+        visible: m.visible,
     })
 }
 
