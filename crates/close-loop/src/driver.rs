@@ -10,7 +10,7 @@ use rig_schema::{Case, MeasuredTable, Rig};
 use crate::catalogue::Effect;
 use crate::confirm;
 use crate::curve::{Change, Curve};
-use crate::emulator::{Axis, Emulator, Sample};
+use crate::emulator::{Axis, Emulator, Sample, Shift};
 use crate::error::CloseLoopError;
 use crate::outcome::Outcome;
 use crate::plan::{Effort, LoopSettings, Setup};
@@ -84,7 +84,7 @@ pub(crate) struct State<'a> {
     /// Point about which each effect is modelled: free parameters, strength.
     centres: BTreeMap<String, Vec<f64>>,
     pub(crate) theta: Vec<f64>,
-    bias: Option<Vec<([f64; 4], [[f64; 4]; 4])>>,
+    bias: Option<Vec<Shift>>,
     modes: Vec<Vec<[f64; 4]>>,
 }
 
@@ -324,9 +324,8 @@ impl State<'_> {
                 for run in &runs {
                     for r in 0..4 {
                         mean[r] += run.speeds[k].mean[r] / n;
-                        for s in 0..4 {
-                            covariance[r][s] +=
-                                model.inflation() * run.speeds[k].covariance[r][s] / (n * n);
+                        for (to, of) in covariance[r].iter_mut().zip(run.speeds[k].covariance[r]) {
+                            *to += model.inflation() * of / (n * n);
                         }
                     }
                 }

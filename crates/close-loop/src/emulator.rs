@@ -26,6 +26,9 @@ const REMAINDER: f64 = 0.25;
 /// Distance from which the remainder grows in proportion only.
 const FAR: f64 = 1.5;
 
+/// Shift of the four responses at one speed, with its covariance.
+pub type Shift = ([f64; 4], [[f64; 4]; 4]);
+
 /// One coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
@@ -62,7 +65,7 @@ pub struct Emulator {
     /// Uncertain knowns that were simulated: change of (knot, response) for one standard deviation.
     modes: Vec<Vec<[f64; 4]>>,
     /// Added to every prediction, with its covariance, by knot.
-    bias: Vec<([f64; 4], [[f64; 4]; 4])>,
+    bias: Vec<Shift>,
 }
 
 #[derive(Debug, Clone)]
@@ -109,17 +112,17 @@ impl Emulator {
             let (mut chi2, mut dof) = (0.0, 0.0);
             for (k, frame) in frames.iter().enumerate() {
                 let mut four = Vec::with_capacity(4);
-                for r in 0..4 {
+                for (r, own) in frame.iter().enumerate() {
                     let noise: Vec<f64> =
-                        remainder.iter().map(|m| inflation * frame[r][r].max(1e-8) + m).collect();
+                        remainder.iter().map(|m| inflation * own[r].max(1e-8) + m).collect();
                     let y: Vec<f64> = samples.iter().map(|s| s.mean[k][r]).collect();
                     let fit = regress(&rows, &y, &noise, axes.len())?;
                     for (i, row) in rows.iter().enumerate() {
                         let leverage = quadratic(&fit.covariance, row) / noise[i];
                         // Only runs near the centre tell of the scatter.
-                        let share = frame[r][r] / (frame[r][r] + remainder[i]);
+                        let share = own[r] / (own[r] + remainder[i]);
                         let e = y[i] - dot(&fit.beta, row);
-                        chi2 += share * e * e / frame[r][r].max(1e-8);
+                        chi2 += share * e * e / own[r].max(1e-8);
                         dof += share * (1.0 - leverage).max(0.0);
                     }
                     four.push(fit);
@@ -139,7 +142,7 @@ impl Emulator {
 
     /// Add what a stand-in is off by: the difference at each knot with its covariance.
     #[must_use]
-    pub fn with_bias(mut self, bias: Vec<([f64; 4], [[f64; 4]; 4])>) -> Self {
+    pub fn with_bias(mut self, bias: Vec<Shift>) -> Self {
         self.bias = bias;
         self
     }

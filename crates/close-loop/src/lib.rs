@@ -25,7 +25,7 @@ mod table;
 pub use catalogue::{Catalogue, Effect, Needs};
 pub use curve::{Change, Curve};
 pub use driver::{CloseLoop, Stage, Told};
-pub use emulator::{Axis, Emulator, Sample};
+pub use emulator::{Axis, Emulator, Sample, Shift};
 pub use error::CloseLoopError;
 pub use outcome::{Errors, Outcome, Point, ResponseErrors, Side, StrengthOf};
 pub use plan::{Effort, LoopSettings};
