@@ -348,7 +348,7 @@ fn continued_share(curve: &Curve, surface: &Surface) -> f64 {
     let held = |(_, w): &(&f64, &f64)| **w > 0.05;
     let mut points = curve.u_px.iter().zip(&curve.smoothed.weights).filter(held).map(|(u, _)| *u);
     let Some(first) = points.next() else { return 1.0 };
-    let last = points.last().unwrap_or(first);
+    let last = points.next_back().unwrap_or(first);
     let (cos, sin) = curve.axes.turn;
     let ends = [surface.points[0], surface.points[surface.points.len() - 1]]
         .map(|(x, y)| x * cos + y * sin);
