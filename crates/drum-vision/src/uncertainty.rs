@@ -13,7 +13,7 @@
 //!   uneven light change it in patches (0.35 of the radius counts as one), so that all shapes are touched;
 //! - **bridged**: pieces without an edge. Beyond the last edge at either end the curve goes on straight, and may bend by
 //!   a curvature of `1/R`; across an inner gap the spline may be off by a tenth of such an arc;
-//! - **lit**: stretches under a faint reflex may bend by a third of `1/R`, the same as far as a gap is bridged;
+//! - **lit**: stretches under a faint reflex are seen but may bend by a third of `1/R`, at an end by `1/R`;
 //! - **model**: smooth faults that nothing of this shows (uneven grains at the edge, light), a floor for each shape
 //!   in pixels, and one for centre and radius of the circle;
 //! - **tilt**: an elliptic rim turns lines by up to half its ellipticity.
@@ -59,7 +59,7 @@ impl Default for Weights {
         // (tests/it/scenes.rs, numbers from 20000) and the 100 of the independent renderer, all four responses at once: the
         // likelihood of Student's t with 5 degrees of freedom, coverage of value +- 2 u held near 93 to 98 % in each set and
         // response, small medians preferred. Then set to the cautious side by hand where the fit has little to go by: `circle`,
-        // both floors and `bridged` would be 2 to 4 times smaller, `lit` too. The frames of the tests and those of
+        // both floors, `bridged` and `lit` would be 2 to 9 times smaller. The frames of the tests and those of
         // VALIDATION.md took no part.
         Self {
             edge: 2.0,

@@ -54,8 +54,8 @@ fn measure_prints_every_field_of_its_json() {
     for (i, row) in covariance.iter().enumerate() {
         assert_eq!(row.as_array().map(Vec::len), Some(4));
         assert!(number(&row[i]) >= 0.0);
-        for j in 0..4 {
-            assert_eq!(number(&row[j]).to_bits(), number(&covariance[j][i]).to_bits());
+        for (j, other) in covariance.iter().enumerate() {
+            assert_eq!(number(&row[j]).to_bits(), number(&other[i]).to_bits());
         }
     }
     let list = json["frames"].as_array().expect("a list");
