@@ -29,8 +29,8 @@ The tables under `fixtures/validation/dosta` are frozen; `cargo xtask dosta --fr
 LIGGGHTS-PUBLIC 3.8). What is the same in both codes: moduli mixed as 1/E* = sum of (1 - nu^2)/E, Hertz \
 with its attractive tail kept (LIGGGHTS' default), shear damping, no rolling friction, end plates that \
 turn. LIGGGHTS' `tangential history` multiplies the whole displacement by the present stiffness, as our \
-compatibility law `MindlinTotalSpring` does: start 1 ran with that law and with the incremental Mindlin, \
-starts 2 and 3 with the latter. What differs still: LIGGGHTS damps with the velocity of the middle of the step, \
+compatibility law `MindlinTotalSpring` does: start 1 ran with that law; runs with the incremental Mindlin \
+(starts 1 to 3) are compared as soon as they are frozen. What differs still: LIGGGHTS damps with the velocity of the middle of the step, \
 takes |F_n| with its tail as Coulomb's load, adds shear damping outside Coulomb's limit, and sees the \
 mantle as a plane in Hertz's law.\n\n\
 The step is 5e-5 s, 0.26 of the Rayleigh time, not the published 1e-4 s (0.53): at 1e-4 s a bed at rest is \
@@ -59,15 +59,21 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 
 /// Compare the frozen tables.
 pub(crate) fn section(root: &Path) -> anyhow::Result<Bulk> {
-    let [one, two, three] = [1, 2, 3].map(|seed| read(root, &format!("tumble-incremental-{seed}")));
-    let seeds = [one?, two?, three?];
+    // Three starts take an hour of one core; what is frozen so far is compared.
+    let exists = |seed: &i32| {
+        crate::dosta::frozen(root).join(format!("tumble-incremental-{seed}.csv")).is_file()
+    };
+    let seeds = (1..=3)
+        .filter(exists)
+        .map(|seed| read(root, &format!("tumble-incremental-{seed}")))
+        .collect::<anyhow::Result<Vec<_>>>()?;
     let like = read(root, "tumble-1")?;
     let peer = read(root, "liggghts-1")?;
     for table in seeds.iter().chain([&like, &peer]) {
         let same = table.iter().zip(&peer).all(|(a, b)| (a.time - b.time).abs() < 1e-9);
         ensure!(table.len() == peer.len() && same, "tables of counts differ in their times");
     }
-    ensure!(seeds[0][0].counts == peer[0].counts, "Tumble and LIGGGHTS have different starts");
+    ensure!(like[0].counts == peer[0].counts, "Tumble and LIGGGHTS have different starts");
     let mut section = Section {
         name: NAME,
         title: "Rotating drum of two species (Dosta et al. 2024, soft)",
@@ -76,9 +82,11 @@ pub(crate) fn section(root: &Path) -> anyhow::Result<Bulk> {
     };
     for (species, name) in ["M1", "M2"].into_iter().enumerate() {
         counts(&like, &peer, species, &format!("{name}, start 1, total spring"), &mut section);
-        counts(&seeds[0], &peer, species, &format!("{name}, start 1, incremental"), &mut section);
-        scatter(&seeds, &peer, species, name, &mut section);
-        section.pictures.push(picture(&seeds, &peer, species, name));
+        if let [one, two, three] = &seeds[..] {
+            counts(one, &peer, species, &format!("{name}, start 1, incremental"), &mut section);
+            scatter([one, two, three], &peer, species, name, &mut section);
+        }
+        section.pictures.push(picture(&like, &seeds, &peer, species, name));
     }
     Ok(Bulk { section, notes: NOTES.to_owned() })
 }
@@ -120,7 +128,7 @@ fn counts(run: &[Moment], peer: &[Moment], species: usize, case: &str, section: 
 
 /// The difference to the peer beside that between starts.
 fn scatter(
-    seeds: &[Vec<Moment>; 3],
+    seeds: [&[Moment]; 3],
     peer: &[Moment],
     species: usize,
     name: &str,
@@ -133,7 +141,7 @@ fn scatter(
     };
     for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
         let of = |table: &[Moment]| series(table, species, quadrant);
-        let [a, b, c] = [of(&seeds[0]), of(&seeds[1]), of(&seeds[2])];
+        let [a, b, c] = seeds.map(of);
         let between_starts = rms(&a, &b).max(rms(&a, &c)).max(rms(&b, &c));
         section.checks.push(SCATTER.at_most(
             format!("{name}, start 1, incremental"),
@@ -144,7 +152,13 @@ fn scatter(
     }
 }
 
-fn picture(seeds: &[Vec<Moment>; 3], peer: &[Moment], species: usize, name: &str) -> Picture {
+fn picture(
+    like: &[Moment],
+    seeds: &[Vec<Moment>],
+    peer: &[Moment],
+    species: usize,
+    name: &str,
+) -> Picture {
     let mut chart = LineChart {
         title: format!("{name}: spheres in each quadrant"),
         x: ChartAxis::new("time (s)"),
@@ -152,8 +166,10 @@ fn picture(seeds: &[Vec<Moment>; 3], peer: &[Moment], species: usize, name: &str
         ..LineChart::default()
     };
     for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
-        let all: Vec<Vec<f64>> = seeds.iter().map(|s| series(s, species, quadrant)).collect();
-        let line = seeds[0].iter().enumerate().map(|(k, m)| {
+        let own = std::iter::once(series(like, species, quadrant));
+        let all: Vec<Vec<f64>> =
+            own.chain(seeds.iter().map(|s| series(s, species, quadrant))).collect();
+        let line = like.iter().enumerate().map(|(k, m)| {
             let now = || all.iter().map(|s| s[k]);
             let interval =
                 (now().fold(f64::INFINITY, f64::min), now().fold(f64::NEG_INFINITY, f64::max));
@@ -179,9 +195,11 @@ fn picture(seeds: &[Vec<Moment>; 3], peer: &[Moment], species: usize, name: &str
     Picture {
         file: format!("dosta-{}.svg", name.to_lowercase()),
         title: format!("Species {name} in each quadrant against time"),
-        caption: "Lines: Tumble from start 1, with the range of three starts as a band; points: \
-                  LIGGGHTS from start 1."
-            .to_owned(),
+        caption: format!(
+            "Lines: Tumble from start 1 with the whole displacement as spring, with the range of {} \
+             runs with the incremental law as a band; points: LIGGGHTS from start 1.",
+            seeds.len()
+        ),
         svg: chart.svg(),
     }
 }
