@@ -8,7 +8,7 @@ use super::path_value;
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Plan file (TOML): a rig with [factors] and [design].
+    /// Plan file (TOML): a rig with `[factors]` and `[design]`.
     pub(crate) plan: PathBuf,
     /// Simulations at a time, one thread each; they change no bit of the results.
     #[arg(long, default_value_t = 2)]
@@ -53,7 +53,7 @@ pub(crate) struct RunArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct DesignArgs {
-    /// Plan file (TOML): a rig with [factors] and [design].
+    /// Plan file (TOML): a rig with `[factors]` and `[design]`.
     pub(crate) plan: PathBuf,
     /// Simulate coarse stand-ins.
     #[arg(long)]
