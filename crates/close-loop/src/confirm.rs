@@ -16,6 +16,9 @@ use crate::runs::{rig_at, rig_with};
 /// Level below which fresh runs contradict the winner.
 const CONTRADICTED: f64 = 1e-3;
 
+/// Members of a class that are confirmed.
+const CONFIRMED_MEMBERS: usize = 3;
+
 /// One model by fresh runs.
 struct Fresh {
     side: Side,
@@ -30,7 +33,7 @@ pub(crate) fn outcome(
     watch: &mut dyn FnMut(&Told),
 ) -> Result<Outcome, CloseLoopError> {
     let base = state.base_model(&state.theta)?;
-    let names: Vec<String> = match &finding.verdict {
+    let mut names: Vec<String> = match &finding.verdict {
         Verdict::None | Verdict::Unknown => Vec::new(),
         Verdict::Effect(name) => vec![name.clone()],
         Verdict::Class(names) => names.clone(),
@@ -48,14 +51,26 @@ pub(crate) fn outcome(
             after = Some(fresh(state, &base, &theta, &with, watch)?);
         }
     } else {
-        for name in names.iter().take(3) {
+        let mut tried = Vec::new();
+        for name in names.iter().take(CONFIRMED_MEMBERS) {
             let Some(r) = finding.ranked.iter().find(|r| r.name == *name) else { continue };
             let Some((strength, theta)) = r.fit.theta.split_last() else { continue };
             let with = effects_at(state, std::slice::from_ref(name), &[*strength]);
-            let model = fresh(state, &base, theta, &with, watch)?;
-            match after {
-                None => after = Some(model),
-                Some(_) => others.push(model.side),
+            tried.push((name.clone(), fresh(state, &base, theta, &with, watch)?));
+        }
+        // A member that its own fresh runs contradict is out, as long as another stands.
+        let stands = |(_, f): &(String, Fresh)| f.side.errors.p > CONTRADICTED;
+        if tried.iter().any(stands) {
+            let refuted: Vec<&String> =
+                tried.iter().filter(|t| !stands(t)).map(|(n, _)| n).collect();
+            names.retain(|n| !refuted.contains(&n));
+        }
+        let best = tried.iter().position(stands).unwrap_or(0);
+        for (k, (_, model)) in tried.into_iter().enumerate() {
+            if k == best {
+                after = Some(model);
+            } else {
+                others.push(model.side);
             }
         }
     }
@@ -81,8 +96,9 @@ pub(crate) fn outcome(
     let verdict = match (&finding.verdict, confirmed) {
         (Verdict::None, _) => "none",
         (Verdict::Unknown, _) | (_, Some(false)) => "unknown",
-        (Verdict::Effect(_), _) => "effect",
-        (Verdict::Class(_) | Verdict::Pairs(_), _) => "class",
+        (Verdict::Pairs(_), _) => "class",
+        (Verdict::Effect(_) | Verdict::Class(_), _) if names.len() == 1 => "effect",
+        (Verdict::Effect(_) | Verdict::Class(_), _) => "class",
     };
     let sentence = sentence(&finding, verdict, &strengths, is_pair);
     let calibrated = finding
@@ -303,7 +319,7 @@ fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair:
             "No missing effect can be detected: chi-square {:.1} with {} degrees of freedom, p = {:.2}.",
             finding.gate.chi2, finding.gate.dof, finding.gate.p_combined
         ),
-        "effect" => format!("The model lacks {}: {}.", strengths[0].name, named[0]),
+        "effect" => format!("The model lacks {}.", named[0]),
         "class" if is_pair => {
             format!("Two effects together explain the data: {}.", named.join(" and "))
         }
