@@ -16,7 +16,8 @@ only a turned camera (`camera.roll_deg`), a wrong speed (`speed.scale`) and a wr
 candidates; offsets of the circle and both biases of the lines are marginalised in the model before and after \
 alike. `unknown` means: physics is missing that the table does not hold, or none of the candidates carries over \
 to the speeds kept aside. Errors are root mean squares, angles (both) in deg, centre of area (both coordinates) \
-in % R; noise: what a true model would leave.\n\n";
+in % R; noise: what a true model would leave. A strength at the end of its range \
+(a roll of 5 deg, a radius off by 6 %) would be seen in the photographs: it stands for something else.\n\n";
 
 fn root_mean(errors: &Errors, held: bool, angles: bool, floor: bool) -> f64 {
     let all = if held { &errors.held_out } else { &errors.fitted };
