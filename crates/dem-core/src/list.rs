@@ -309,14 +309,9 @@ impl Search<'_> {
                 while begin < row.end {
                     let left = row.end - begin;
                     let valid = if left >= LANES { u8::MAX } else { (1u8 << left) - 1 };
-                    let near = match self.period {
-                        None => {
-                            crate::simd::in_reach(self.level, pi, &cells.columns, begin, self.range)
-                        }
-                        Some(_) => (0..left.min(LANES)).fold(0, |bits, lane| {
-                            bits | u8::from(self.in_reach(pi, &cells.sorted[begin + lane])) << lane
-                        }),
-                    };
+                    let (columns, period) = (&cells.columns, self.period);
+                    let near =
+                        crate::simd::in_reach(self.level, pi, columns, begin, self.range, period);
                     let mut near = near & valid;
                     while near != 0 {
                         look(begin + near.trailing_zeros() as usize);

@@ -25,8 +25,17 @@ impl Period {
     #[inline(always)]
     pub(crate) fn shortest(period: Option<Self>, mut d: DVec3) -> DVec3 {
         if let Some(p) = period {
-            let k = (d[p.axis] / p.length).round();
-            d[p.axis] -= k * p.length;
+            // Of two places within the period no other image can be nearer than the next one; the
+            // comparison spares a division and the rounding.
+            let half = 0.5 * p.length;
+            let x = d[p.axis];
+            if x.abs() > half {
+                d[p.axis] = if x.abs() < 3.0 * half {
+                    x - p.length.copysign(x)
+                } else {
+                    x - (x / p.length).round() * p.length
+                };
+            }
         }
         d
     }

@@ -320,7 +320,7 @@ impl PairKernel<'_> {
         let (pi, pj) = unsafe { (V::gather(position, first), V::gather(position, second)) };
         let mut d = V3::of(pj) - V3::of(pi);
         if let Some(p) = self.period {
-            d = shortest(p, d);
+            d = d.shortest(p);
         }
         let sum = pi[3] + pj[3];
         d.dot(d).less(sum * sum)
@@ -398,7 +398,7 @@ impl PairKernel<'_> {
             }
         };
         if let Some(p) = self.period {
-            d = shortest(p, d);
+            d = d.shortest(p);
         }
         let distance_squared = d.dot(d);
         let sum = ri + rj;
@@ -512,22 +512,4 @@ fn store<V: Lanes>(b: &mut Block<'_>, touching: u8, out: &Out<V>) {
         let v = v.select(touching, none);
         V::scatter([v.x, v.y, v.z, zero], to);
     }
-}
-
-/// The shortest image along the periodic axis, as `Period::shortest` finds it.
-#[inline(always)]
-fn shortest<V: Lanes>(p: crate::neighbour::Period, mut d: V3<V>) -> V3<V> {
-    let along = match p.axis {
-        0 => &mut d.x,
-        1 => &mut d.y,
-        _ => &mut d.z,
-    };
-    let mut lanes = [0.0; 8];
-    along.store(&mut lanes);
-    for x in &mut lanes {
-        let k = (*x / p.length).round();
-        *x -= k * p.length;
-    }
-    *along = V::load(&lanes);
-    d
 }

@@ -2,6 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use crate::neighbour::Period;
 use crate::particles::Record;
 
 /// Eight numbers in one or several registers.
@@ -73,6 +74,21 @@ impl<V: Lanes> V3<V> {
             y: self.z * o.x - o.z * self.x,
             z: self.x * o.y - o.x * self.y,
         }
+    }
+
+    /// The shortest image along the periodic axis, as [`Period::shortest`] finds it for places that
+    /// lie less than one and a half periods apart, as all places of a list do.
+    #[inline(always)]
+    pub(super) fn shortest(mut self, p: Period) -> Self {
+        let along = match p.axis {
+            0 => &mut self.x,
+            1 => &mut self.y,
+            _ => &mut self.z,
+        };
+        let (half, length) = (V::splat(0.5 * p.length), V::splat(p.length));
+        let x = *along;
+        *along = (x + length).select(x.less(-half), (x - length).select(half.less(x), x));
+        self
     }
 
     #[inline(always)]

@@ -22,6 +22,7 @@ use crate::contact::model::ContactModel;
 use crate::contact::normal::Hertz;
 use crate::contact::rolling::{ConstantTorque, FreeRolling};
 use crate::contact::tangential::Mindlin;
+use crate::neighbour::Period;
 use crate::particles::Record;
 
 /// Instruction set that a world's kernels use.
@@ -108,6 +109,7 @@ pub(crate) fn in_reach(
     columns: &[Vec<f64>; 4],
     begin: usize,
     range: f64,
+    period: Option<Period>,
 ) -> u8 {
     let eight = |k: usize| columns[k][begin..].first_chunk::<8>();
     let (Some(x), Some(y), Some(z), Some(r)) = (eight(0), eight(1), eight(2), eight(3)) else {
@@ -115,25 +117,34 @@ pub(crate) fn in_reach(
     };
     #[cfg(target_arch = "x86_64")]
     match level {
-        Level::Avx512 => return reach::<avx::Wide>(own, [x, y, z, r], range),
-        Level::Avx2 => return reach::<avx::Pair>(own, [x, y, z, r], range),
+        Level::Avx512 => return reach::<avx::Wide>(own, [x, y, z, r], range, period),
+        Level::Avx2 => return reach::<avx::Pair>(own, [x, y, z, r], range, period),
         Level::Portable => {}
     }
     let _ = level;
     (0..8).fold(0, |bits, k| {
-        let d = [x[k] - own.x, y[k] - own.y, z[k] - own.z];
+        let d = glam::DVec3::new(x[k] - own.x, y[k] - own.y, z[k] - own.z);
+        let d = Period::shortest(period, d);
         let sum = own.w + r[k] + range;
-        bits | u8::from(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < sum * sum) << k
+        bits | u8::from(d.length_squared() < sum * sum) << k
     })
 }
 
 #[inline(always)]
-fn reach<V: lanes::Lanes>(own: &Record, [x, y, z, r]: [&[f64; 8]; 4], range: f64) -> u8 {
-    let d = lanes::V3 {
+fn reach<V: lanes::Lanes>(
+    own: &Record,
+    [x, y, z, r]: [&[f64; 8]; 4],
+    range: f64,
+    period: Option<Period>,
+) -> u8 {
+    let mut d = lanes::V3 {
         x: V::load(x) - V::splat(own.x),
         y: V::load(y) - V::splat(own.y),
         z: V::load(z) - V::splat(own.z),
     };
+    if let Some(p) = period {
+        d = d.shortest(p);
+    }
     let sum = V::splat(own.w) + V::load(r) + V::splat(range);
     d.dot(d).less(sum * sum)
 }
