@@ -1,15 +1,16 @@
 //! The time loop on one screen, and its stages.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::body_stage::Halves;
 use crate::contact::model::ContactLaw;
-use crate::contact_stage::all_contacts;
+use crate::contact_stage::{CHUNK, all_contacts};
 use crate::energy::Flow;
 use crate::error::Error;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
 use crate::particles::Record;
+use crate::threads::cut_groups;
 use crate::world::{SPHERE, World, sphere_view};
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
@@ -108,31 +109,52 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if !self.has_clumps() {
             return;
         }
-        let (b, m) = (&self.state.bodies, &mut self.state.members);
-        let shapes = &self.make.shapes;
+        let (level, shapes) = (self.make.level, &self.make.shapes);
         let dt = if self.state.forces_stale { 0.0 } else { self.make.dt };
-        for body in 0..b.len() {
-            for (nth, s) in (m.first[body]..m.first[body + 1]).enumerate() {
-                let s = s as usize;
-                let radius = m.arm[s].w;
-                let arm = match m.shape[body] {
-                    SPHERE => DVec3::ZERO,
-                    shape => m.attitude[body] * shapes[shape as usize].spheres[nth].centre,
-                };
-                let (mean_spin, end_spin) = (b.mean_spin[body], m.end_spin[body]);
-                // The mean of the arms at both ends of the step, which the mean spin turns.
-                let back = mean_spin.vector().cross(arm) * (0.5 * dt);
-                let middle = arm - back;
-                m.arm[s] = Record::new(arm, radius);
-                m.position[s] = Record::new(b.position[body].vector() + arm, radius);
-                let (v, v_end) = (b.mean_velocity[body], b.end_velocity[body]);
-                m.mean_velocity[s] =
-                    Record::new(v.vector() + mean_spin.vector().cross(middle), v.w);
-                m.mean_spin[s] = mean_spin;
-                m.end_velocity[s] =
-                    Record::new(v_end.vector() + end_spin.vector().cross(arm), v_end.w);
-            }
-        }
+        let (b, m) = (&self.state.bodies, &mut self.state.members);
+        let (first, attitude, end_spin, shape) = (&m.first, &m.attitude, &m.end_spin, &m.shape);
+        let parts = (
+            cut_groups(&mut m.arm, first, CHUNK),
+            cut_groups(&mut m.position, first, CHUNK),
+            cut_groups(&mut m.mean_velocity, first, CHUNK),
+            cut_groups(&mut m.mean_spin, first, CHUNK),
+            cut_groups(&mut m.end_velocity, first, CHUNK),
+        );
+        let count = b.len().div_ceil(CHUNK);
+        self.team.each(count, parts, |c, (arms, places, velocities, spins, ends)| {
+            let bodies = c * CHUNK..((c + 1) * CHUNK).min(b.len());
+            let offset = first[bodies.start] as usize;
+            crate::simd::widened(
+                level,
+                #[inline(always)]
+                || {
+                    for body in bodies {
+                        let (mean_spin, end_spin) = (b.mean_spin[body], end_spin[body]);
+                        let (turning, turning_end) = (mean_spin.vector(), end_spin.vector());
+                        let (x, v, v_end) =
+                            (b.position[body], b.mean_velocity[body], b.end_velocity[body]);
+                        let spheres = match shape[body] {
+                            SPHERE => &[][..],
+                            shape => &shapes[shape as usize].spheres[..],
+                        };
+                        let turn = DMat3::from_quat(attitude[body]);
+                        let run = first[body] as usize - offset..first[body + 1] as usize - offset;
+                        for (nth, s) in run.enumerate() {
+                            let radius = arms[s].w;
+                            let arm = spheres.get(nth).map_or(DVec3::ZERO, |s| turn * s.centre);
+                            // The mean of the arms at both ends of the step, which the mean spin
+                            // turns.
+                            let middle = arm - turning.cross(arm) * (0.5 * dt);
+                            arms[s] = Record::new(arm, radius);
+                            places[s] = Record::new(x.vector() + arm, radius);
+                            velocities[s] = Record::new(v.vector() + turning.cross(middle), v.w);
+                            spins[s] = mean_spin;
+                            ends[s] = Record::new(v_end.vector() + turning_end.cross(arm), v_end.w);
+                        }
+                    }
+                },
+            );
+        });
     }
 
     /// All contacts: their wrenches go to buffers, in which spheres find them later.

@@ -57,6 +57,43 @@ impl<'a, T: Send> Cut for Chunks<'a, T> {
     }
 }
 
+/// A slice cut into runs of groups of unlike lengths.
+pub(crate) struct Groups<'a, T> {
+    begin: *mut T,
+    starts: &'a [u32],
+    size: usize,
+    slice: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: as for `Chunks`: `cut_groups` has seen that the groups are disjoint.
+unsafe impl<T: Send> Sync for Groups<'_, T> {}
+
+/// Cut a slice into runs of `size` groups, where group `g` is `starts[g]..starts[g + 1]`.
+pub(crate) fn cut_groups<'a, T>(
+    slice: &'a mut [T],
+    starts: &'a [u32],
+    size: usize,
+) -> Groups<'a, T> {
+    let within = starts.last().is_none_or(|&end| end as usize <= slice.len());
+    assert!(within && starts.is_sorted(), "groups are not disjoint parts of their slice");
+    Groups { begin: slice.as_mut_ptr(), starts, size, slice: PhantomData }
+}
+
+impl<'a, T: Send> Cut for Groups<'a, T> {
+    type Part = &'a mut [T];
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> &'a mut [T] {
+        let at = |group: usize| {
+            let last = self.starts.len().saturating_sub(1);
+            self.starts.get(group.min(last)).map_or(0, |&s| s as usize)
+        };
+        let (begin, end) = (at(k * self.size), at((k + 1) * self.size));
+        // SAFETY: within the slice, and no other run of groups overlaps it.
+        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
+    }
+}
+
 macro_rules! cut_together {
     ($($name:ident)+) => {
         impl<$($name: Cut),+> Cut for ($($name,)+) {

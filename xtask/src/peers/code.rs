@@ -125,7 +125,7 @@ impl Code {
 
 /// The program named by the environment (a file, or an environment of Python that holds
 /// `bin/NAME`), else the first one on the search path.
-fn locate(variable: &str, name: &str) -> Result<PathBuf, String> {
+pub(crate) fn locate(variable: &str, name: &str) -> Result<PathBuf, String> {
     if let Some(given) = std::env::var_os(variable) {
         let given = PathBuf::from(given);
         let candidates = [given.clone(), given.join("bin").join(name)];
@@ -141,6 +141,12 @@ fn locate(variable: &str, name: &str) -> Result<PathBuf, String> {
         .map(|folder| folder.join(name))
         .find(|p| p.is_file())
         .ok_or_else(|| format!("no `{name}` on PATH and {variable} is not set"))
+}
+
+/// A deck of `benches/peers`.
+pub(crate) fn deck_path(name: &str) -> anyhow::Result<PathBuf> {
+    let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/peers").join(name);
+    deck.canonicalize().with_context(|| format!("no deck {}", deck.display()))
 }
 
 /// A process that was started.
@@ -196,9 +202,7 @@ impl Installed {
         skin: f64,
         dump: &Path,
     ) -> anyhow::Result<()> {
-        let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/peers").join(deck);
-        let deck = deck.canonicalize().with_context(|| format!("no deck {}", deck.display()))?;
-        command.arg("-in").arg(deck).args(["-log", "none"]);
+        command.arg("-in").arg(deck_path(deck)?).args(["-log", "none"]);
         let mut set = |name: &str, value: String| {
             command.args(["-var", name, &value]);
         };

@@ -16,6 +16,7 @@ mod scaling;
 mod scene;
 mod side_by_side;
 mod spread;
+mod tablets;
 mod worker;
 
 use std::path::PathBuf;
@@ -66,6 +67,9 @@ pub(crate) struct Peers {
     /// Instead: Tumble's memory for a million beads.
     #[arg(long, conflicts_with = "scaling")]
     memory: bool,
+    /// Instead: 5997 tablets of ten spheres, beside LIGGGHTS multisphere.
+    #[arg(long, conflicts_with_all = ["scaling", "memory"])]
+    tablets: bool,
 }
 
 /// Run what is asked for.
@@ -78,6 +82,9 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
     }
     if options.memory {
         return memory::measure(options);
+    }
+    if options.tablets {
+        return tablets::run(options);
     }
     side_by_side::run(options)
 }

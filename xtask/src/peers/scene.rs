@@ -150,7 +150,8 @@ pub(crate) fn beads_of(world: &World<Model>) -> Vec<Bead> {
     world.particles().map(at).collect()
 }
 
-fn law(material: &Material, friction: f64, rolling: f64) -> anyhow::Result<Model> {
+/// Hertz, Mindlin, damping and constant rolling torque between two like bodies.
+pub(crate) fn law(material: &Material, friction: f64, rolling: f64) -> anyhow::Result<Model> {
     let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
     let spec = HertzSpec { e_star: e / (2.0 * (1.0 - nu * nu)), restitution: RESTITUTION };
     let normal = HertzTailCut::try_from(spec)?;
