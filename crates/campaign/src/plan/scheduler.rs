@@ -36,7 +36,8 @@ fn quoted(word: &str) -> String {
 
 /// A job array for Slurm's `sbatch`: one task a run, one core a task.
 ///
-/// Tasks that are killed at their time limit go on from their checkpoints when the script is submitted again.
+/// Tasks whose node dies are begun again elsewhere by Slurm, and go on from their checkpoints. Tasks that are killed at
+/// their time limit go on when the script is submitted again.
 pub fn slurm(manifest: &Manifest, call: &Call) -> String {
     let last = manifest.rows().len().saturating_sub(1);
     let call = call.shell();
@@ -47,6 +48,7 @@ pub fn slurm(manifest: &Manifest, call: &Call) -> String {
          #SBATCH --ntasks=1\n\
          #SBATCH --cpus-per-task=1\n\
          #SBATCH --time=24:00:00\n\
+         #SBATCH --requeue\n\
          #SBATCH --signal=B:TERM@60\n\
          # {} runs; submit it again to go on with what is not done, then collect:\n\
          #   {call} --collect\n\
