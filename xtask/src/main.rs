@@ -34,6 +34,18 @@ enum Task {
         /// Print the JSON.
         #[arg(long)]
         json: bool,
+        /// Instead: the drums of the beads by our own simulation: docs/src/own-dem.md.
+        #[arg(long)]
+        dem: bool,
+        /// Instead: one of these drums with one thing changed at a time: docs/src/own-dem-variants.md.
+        #[arg(long, conflicts_with = "dem")]
+        variants: bool,
+        /// With --dem: configurations.
+        #[arg(requires = "dem", default_values_t = ["AZ1".to_owned(), "AZ2".to_owned()])]
+        configurations: Vec<String>,
+        /// With --dem and --variants: simulations at a time.
+        #[arg(long, default_value_t = 2)]
+        jobs: usize,
     },
     /// Every case that dem-core must reproduce: docs/validation.md and its plots.
     Validate {
@@ -68,7 +80,11 @@ fn main() -> ExitCode {
     let done = match Xtask::parse().task {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
-        Task::Reproduce { json } => reproduce::run(json),
+        Task::Reproduce { dem: true, configurations, jobs, .. } => {
+            reproduce::dem::run(&configurations, jobs)
+        }
+        Task::Reproduce { variants: true, jobs, .. } => reproduce::variants::run(jobs),
+        Task::Reproduce { json, .. } => reproduce::run(json),
         Task::Validate { json } => validate::run(json),
         Task::Scratch => scratch::run(),
         Task::Dosta(options) => dosta::run(&options),

@@ -3,6 +3,7 @@
 use drum_film::image::RgbImage;
 use drum_film::{Film, Studio};
 use drum_rig::{Options, Sampled};
+use drum_vision::config::Definition;
 use drum_vision::series::{SeriesReport, summarise};
 use drum_vision::{Context, Frame, VisionConfig, measure_frame};
 use rig_schema::{Layer, Rig, Shape, namespace};
@@ -140,9 +141,39 @@ impl Observatory {
     /// # Errors
     /// As [`Observatory::observe`].
     pub fn observe_footage(&self, footage: &Footage) -> Result<Observed, CampaignError> {
-        let mut vision = self.vision.clone();
-        vision.rig.speed_rpm = Some(footage.speed_rpm);
-        let mut outcomes = Vec::new();
+        let (mut reports, preview) = self.look(footage, &[self.vision.response.definition])?;
+        let report = reports.remove(0);
+        Ok(Observed { speed_rpm: footage.speed_rpm, report, preview })
+    }
+
+    /// The same film by each of two definitions of the angles: as photographs are read, and as
+    /// pictures of EDEM are ([`Definition::Edem`]).
+    ///
+    /// # Errors
+    /// As [`Observatory::observe`].
+    pub fn observe_both(
+        &self,
+        sampled: &Sampled,
+    ) -> Result<(Observed, SeriesReport), CampaignError> {
+        let footage = Footage::of(sampled);
+        let definitions = [self.vision.response.definition, Definition::Edem];
+        let (mut reports, preview) = self.look(&footage, &definitions)?;
+        let (report, edem) = (reports.remove(0), reports.remove(0));
+        Ok((Observed { speed_rpm: footage.speed_rpm, report, preview }, edem))
+    }
+
+    fn look(
+        &self,
+        footage: &Footage,
+        definitions: &[Definition],
+    ) -> Result<(Vec<SeriesReport>, Vec<RgbImage>), CampaignError> {
+        let mut readers = Vec::new();
+        for &definition in definitions {
+            let mut vision = self.vision.clone();
+            vision.rig.speed_rpm = Some(footage.speed_rpm);
+            vision.response.definition = definition;
+            readers.push((vision, Vec::new()));
+        }
         let mut preview = Vec::new();
         let every = footage.frames.len().div_ceil(PREVIEW).max(1);
         for index in 0..footage.frames.len() {
@@ -150,12 +181,15 @@ impl Observatory {
             let (width, height) = picture.dimensions();
             let frame = Frame::from_rgb(width as usize, height as usize, picture.as_raw().clone())
                 .ok_or(CampaignError::Picture { width, height })?;
-            let found = measure_frame(&frame, &vision, Context::default());
-            outcomes.push((format!("frame_{index:04}"), found));
+            for (vision, outcomes) in &mut readers {
+                let found = measure_frame(&frame, vision, Context::default());
+                outcomes.push((format!("frame_{index:04}"), found));
+            }
             if index % every == 0 {
                 preview.push(picture);
             }
         }
-        Ok(Observed { speed_rpm: footage.speed_rpm, report: summarise(outcomes, &vision), preview })
+        let reports = readers.into_iter().map(|(vision, found)| summarise(found, &vision));
+        Ok((reports.collect(), preview))
     }
 }

@@ -1,10 +1,12 @@
 //! Everything that the thesis's tables allow, computed anew beside what was printed.
 
+pub(crate) mod dem;
 mod documents;
 mod markdown;
 mod materials;
 mod ranges;
 mod surrogates;
+pub(crate) mod variants;
 
 use std::time::Instant;
 

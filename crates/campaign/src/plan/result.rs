@@ -1,6 +1,7 @@
 //! What a run left: its responses, or why there are none.
 
 use drum_rig::Sampled;
+use drum_vision::SeriesReport;
 use serde::{Deserialize, Serialize};
 
 use crate::{CampaignError, Observed};
@@ -65,6 +66,10 @@ pub struct SpeedResult {
     pub coordination: f64,
     /// The responses; `None` when no frame could be measured.
     pub responses: Option<Responses>,
+    /// The same film read as pictures of EDEM are (angles from wall to wall, and from one fifth to
+    /// four fifths), for comparison with tables made that way.
+    #[serde(default)]
+    pub responses_edem: Option<Responses>,
     /// Covariance of the four means; `None` with fewer than two frames.
     pub covariance: Option<[[f64; 4]; 4]>,
     /// Frames that were measured.
@@ -197,7 +202,7 @@ pub struct RowResult {
 }
 
 /// The result of one speed from what was sampled and seen.
-pub(crate) fn speed_result(steady: &Sampled, seen: &Observed) -> SpeedResult {
+pub(crate) fn speed_result(steady: &Sampled, seen: &Observed, edem: &SeriesReport) -> SpeedResult {
     let finite = |x: f64| x.is_finite().then_some(x);
     let report = &seen.report;
     let one = |s: drum_vision::series::ResponseSummary| Seen {
@@ -207,6 +212,14 @@ pub(crate) fn speed_result(steady: &Sampled, seen: &Observed) -> SpeedResult {
         lag_one: finite(s.lag_one),
         frame_sd: finite(s.frame_sd),
     };
+    let all = |report: &SeriesReport| {
+        report.responses.map(|r| Responses {
+            aor_lin_deg: one(r.aor_lin_deg),
+            aor_mid_deg: one(r.aor_mid_deg),
+            cen_x_pct: one(r.cen_x_pct),
+            cen_y_pct: one(r.cen_y_pct),
+        })
+    };
     SpeedResult {
         omega_rpm: steady.speed_rpm,
         froude: steady.froude,
@@ -215,12 +228,8 @@ pub(crate) fn speed_result(steady: &Sampled, seen: &Observed) -> SpeedResult {
         torque_n_m: steady.torque.mean,
         angle_of_centre_of_mass_deg: steady.angle_deg.mean,
         coordination: steady.coordination.mean,
-        responses: report.responses.map(|r| Responses {
-            aor_lin_deg: one(r.aor_lin_deg),
-            aor_mid_deg: one(r.aor_mid_deg),
-            cen_x_pct: one(r.cen_x_pct),
-            cen_y_pct: one(r.cen_y_pct),
-        }),
+        responses: all(report),
+        responses_edem: all(edem),
         covariance: report.covariance.filter(|c| c.iter().flatten().all(|v| v.is_finite())),
         n_frames: report.n_frames,
         rejected: report.rejected.iter().map(|r| format!("{}: {}", r.frame, r.reason)).collect(),

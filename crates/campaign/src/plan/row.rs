@@ -70,7 +70,8 @@ impl RowRun<'_> {
         let steps = drum.progress().steps;
         let mut speeds = Vec::new();
         for steady in &drum.into_sampled() {
-            speeds.push(speed_result(steady, &observatory.observe(steady)?));
+            let (seen, edem) = observatory.observe_both(steady)?;
+            speeds.push(speed_result(steady, &seen, &edem));
         }
         Ok(Left::Done(Simulated { particles, time_step_s, steps, speeds }, effort()))
     }

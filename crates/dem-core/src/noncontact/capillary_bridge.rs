@@ -1,6 +1,6 @@
 //! Pendular liquid bridge between two spheres, which forms on touching and breaks at a gap.
 //!
-//! `F = 2 pi R gamma cos(theta)/(1 + 1.05 x + 2.5 x^2)`, `x = (h/2) sqrt(R/V)`, `R = 2 R*`
+//! `F = 2 pi R gamma cos(theta)/(1 + 1.05 x + 2.5 x^2)`, `x = h sqrt(R/V)`, `R = 2 R*`
 //!
 //! breaks at `h_r = (1 + theta/2) V^(1/3)`
 //!
@@ -13,7 +13,8 @@
 //! Validity: small bridges (`V` below about 0.001 `R^3`), contact angle below 50 degrees, no
 //! gravity, no viscosity, a constant volume.
 //! References: C. D. Willett, M. J. Adams, S. A. Johnson, J. P. K. Seville, *Langmuir* 16 (2000)
-//! 9396-9405, doi:10.1021/la000657y (their simple closed form); rupture: G. Lian, C. Thornton,
+//! 9396-9405, doi:10.1021/la000657y (their simple closed form; with half the gap in `x` its numbers
+//! are 2.1 and 10, as YADE writes it; MercuryDPM writes it as here); rupture: G. Lian, C. Thornton,
 //! M. J. Adams, *J. Colloid Interface Sci.* 161 (1993) 138-147, doi:10.1006/jcis.1993.1452.
 
 use glam::DVec3;
@@ -115,7 +116,7 @@ impl CapillaryBridge {
     fn work(&self, radius: f64, h: f64) -> f64 {
         // integral dx/(1 + 1.05 x + 2.5 x^2) = (2/d) atan((5 x + 1.05)/d), d^2 = 10 - 1.05^2
         const D: f64 = 2.982_867_747_654_931;
-        let unit = 2.0 * (self.volume / radius).sqrt();
+        let unit = (self.volume / radius).sqrt();
         let at = |x: f64| 2.0 / D * ((5.0 * x + 1.05) / D).atan();
         std::f64::consts::TAU * radius * self.wetting_tension * unit * (at(h / unit) - at(0.0))
     }
@@ -139,7 +140,7 @@ impl NonContactForce for CapillaryBridge {
         }
         let radius = 2.0 * pair.r_star;
         let h = separation.gap.max(0.0);
-        let x = 0.5 * h * (radius / self.volume).sqrt();
+        let x = h * (radius / self.volume).sqrt();
         let attraction =
             std::f64::consts::TAU * radius * self.wetting_tension / (1.0 + 1.05 * x + 2.5 * x * x);
         let whole = self.work(radius, rupture);
@@ -190,6 +191,18 @@ mod tests {
         assert!(at(0.99 * law().rupture_gap(), &mut m).attraction > 0.0);
         assert_eq!(at(1.01 * law().rupture_gap(), &mut m), NonContactResponse::default());
         assert_eq!(at(1e-6, &mut m), NonContactResponse::default());
+    }
+
+    #[test]
+    fn the_force_falls_as_in_the_other_notation_of_the_same_formula() {
+        // Half the gap over sqrt(V/R), with 2.1 and 10 (Willett et al. 2000, as YADE has it).
+        let touch = at(0.0, &mut BridgeMemory::default()).attraction;
+        let mut standing = BridgeMemory { formed: true };
+        for gap in [1e-6, 2e-5, 9e-5] {
+            let plus = 0.5 * gap / (1e-12f64 / 1e-3).sqrt();
+            let want = 1.0 / (1.0 + 2.1 * plus + 10.0 * plus * plus);
+            assert!((at(gap, &mut standing).attraction / touch / want - 1.0).abs() < 1e-12);
+        }
     }
 
     #[test]
