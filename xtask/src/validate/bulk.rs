@@ -29,8 +29,8 @@ The tables under `fixtures/validation/dosta` are frozen; `cargo xtask dosta --fr
 LIGGGHTS-PUBLIC 3.8). What is the same in both codes: moduli mixed as 1/E* = sum of (1 - nu^2)/E, Hertz \
 with its attractive tail kept (LIGGGHTS' default), shear damping, no rolling friction, end plates that \
 turn. LIGGGHTS' `tangential history` multiplies the whole displacement by the present stiffness, as our \
-compatibility law `MindlinTotalSpring` does: start 1 ran with that law; runs with the incremental Mindlin \
-(starts 1 to 3) are compared as soon as they are frozen. What differs still: LIGGGHTS damps with the velocity of the middle of the step, \
+compatibility law `MindlinTotalSpring` does: start 1 ran with that law, and starts 1 to 3 with the incremental \
+Mindlin, whose scatter between starts is the measure of differences. What differs still: LIGGGHTS damps with the velocity of the middle of the step, \
 takes |F_n| with its tail as Coulomb's load, adds shear damping outside Coulomb's limit, and sees the \
 mantle as a plane in Hertz's law.\n\n\
 The step is 5e-5 s, 0.26 of the Rayleigh time, not the published 1e-4 s (0.53): at 1e-4 s a bed at rest is \
@@ -81,34 +81,61 @@ pub(crate) fn section(root: &Path) -> anyhow::Result<Bulk> {
         pictures: Vec::new(),
     };
     for (species, name) in ["M1", "M2"].into_iter().enumerate() {
-        counts(&like, &peer, species, &format!("{name}, start 1, total spring"), &mut section);
+        let case = format!("{name}, start 1, total spring");
+        counts(&like, &peer, species, &case, SAME_LAW, &mut section);
         if let [one, two, three] = &seeds[..] {
-            counts(one, &peer, species, &format!("{name}, start 1, incremental"), &mut section);
-            scatter([one, two, three], &peer, species, name, &mut section);
+            let case = format!("{name}, start 1, incremental");
+            counts(one, &peer, species, &case, OTHER_LAW, &mut section);
+            let starts: [&[Moment]; 3] = [one, two, three];
+            scatter(
+                starts,
+                &like,
+                &peer,
+                species,
+                &format!("{name}, start 1, total spring"),
+                &mut section,
+            );
+            scatter(starts, one, &peer, species, &case, &mut section);
         }
         section.pictures.push(picture(&like, &seeds, &peer, species, name));
     }
     Ok(Bulk { section, notes: NOTES.to_owned() })
 }
 
+/// A count at one moment, by the law that LIGGGHTS has.
+const SAME_LAW: Held = Held {
+    tolerance: 0.03,
+    reason: "relative to the species' number of spheres; single paths diverge, counts must not",
+    source: "LIGGGHTS-PUBLIC 3.8 from the same start file",
+};
+
+/// A count at one moment, by another law.
+const OTHER_LAW: Held = Held {
+    tolerance: 0.05,
+    reason: "relative to the species' number of spheres; LIGGGHTS has another tangential law",
+    source: SAME_LAW.source,
+};
+
 /// Counts of one run beside those of the peer.
-fn counts(run: &[Moment], peer: &[Moment], species: usize, case: &str, section: &mut Section) {
-    const COUNT: Held = Held {
-        tolerance: 0.03,
-        reason: "relative to the species' number of spheres; single paths diverge, counts must not",
-        source: "LIGGGHTS-PUBLIC 3.8 from the same start file",
-    };
+fn counts(
+    run: &[Moment],
+    peer: &[Moment],
+    species: usize,
+    case: &str,
+    held: Held,
+    section: &mut Section,
+) {
     const MEAN: Held = Held {
         tolerance: 0.03,
         reason: "relative to the count; quadrants that hold 5 % of the species or more",
-        source: COUNT.source,
+        source: SAME_LAW.source,
     };
     let total: f64 = f64::from(peer[0].counts[species].iter().sum::<u32>());
     for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
         let (ours, theirs) = (series(run, species, quadrant), series(peer, species, quadrant));
         let apart = ours.iter().zip(&theirs).map(|(a, b)| (a - b).abs()).enumerate();
         let (worst, _) = apart.fold((0, -1.0), |w, (k, d)| if d > w.1 { (k, d) } else { w });
-        section.checks.push(COUNT.of_scale(
+        section.checks.push(held.of_scale(
             case,
             format!("count in {place} at {:.2} s, where it differs most", peer[worst].time),
             theirs[worst],
@@ -128,26 +155,35 @@ fn counts(run: &[Moment], peer: &[Moment], species: usize, case: &str, section: 
 
 /// The difference to the peer beside that between starts.
 fn scatter(
-    seeds: [&[Moment]; 3],
+    starts: [&[Moment]; 3],
+    run: &[Moment],
     peer: &[Moment],
     species: usize,
-    name: &str,
+    case: &str,
     section: &mut Section,
 ) {
     const SCATTER: Held = Held {
-        tolerance: 0.0,
-        reason: "a bound: the largest such difference between two of three starts",
+        tolerance: 0.5,
+        reason: "a bound of 1, with half of it for what three starts tell of a scatter: their own three \
+                 differences are up to 1.9 times apart",
         source: "Tumble, incremental, from three starts",
     };
     for (quadrant, place) in QUADRANTS.into_iter().enumerate() {
         let of = |table: &[Moment]| series(table, species, quadrant);
-        let [a, b, c] = seeds.map(of);
+        let [a, b, c] = starts.map(of);
         let between_starts = rms(&a, &b).max(rms(&a, &c)).max(rms(&b, &c));
+        // A quadrant that stays empty.
+        if between_starts == 0.0 {
+            continue;
+        }
         section.checks.push(SCATTER.at_most(
-            format!("{name}, start 1, incremental"),
-            format!("root mean square difference of the counts in {place}"),
-            between_starts,
-            rms(&a, &of(peer)),
+            case,
+            format!(
+                "difference of the counts in {place} to LIGGGHTS over the largest between two of three \
+                 starts (root mean squares over 5 s; the latter {between_starts:.0} spheres)"
+            ),
+            1.0,
+            rms(&of(run), &of(peer)) / between_starts,
         ));
     }
 }
