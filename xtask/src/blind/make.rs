@@ -7,6 +7,7 @@ use close_loop::campaign::{Laboratory, Resolution, Run, Sampling};
 use close_loop::rig_schema::Rig;
 
 use super::drums::{self, DOSES};
+use super::elsewhere;
 use super::sealed::{Truth, seal};
 
 /// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number.
@@ -67,10 +68,18 @@ pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
     Ok(rig)
 }
 
-/// Where nature happens: a finer picture than any fit uses.
+/// Time between two frames of nature, s.
+const INTERVAL_S: f64 = 0.15;
+/// A finer picture than any fit uses.
+const RESOLUTION: Resolution = Resolution { width_px: 640, most_sub_frames: 12 };
+
+/// Where nature happens.
 pub(crate) fn nature_lab(folder: &Path, jobs: usize) -> anyhow::Result<Laboratory> {
-    let resolution = Resolution { width_px: 640, ..Resolution::default() };
-    let sampling = Sampling { resolution, frame_interval_s: Some(0.15), ..Sampling::default() };
+    let sampling = Sampling {
+        resolution: RESOLUTION,
+        frame_interval_s: Some(INTERVAL_S),
+        ..Sampling::default()
+    };
     Ok(Laboratory::open(&folder.join("nature"), jobs, sampling)?)
 }
 
@@ -107,11 +116,29 @@ pub(crate) fn run(folder: &Path, seed: u64, jobs: usize) -> anyhow::Result<()> {
         .map(|(k, t)| nature(t, seed * 1000 + 17 * k as u64))
         .collect::<anyhow::Result<Vec<_>>>()?;
     println!("{} drums", rigs.len());
-    let runs = lab.run(&rigs, |d| {
+    let other = elsewhere::liggghts();
+    let is_ours = |k: &usize| truths[*k].code == "tumble";
+    let own: Vec<usize> = (0..truths.len()).filter(is_ours).collect();
+    let own_rigs: Vec<Rig> = own.iter().map(|k| rigs[*k].clone()).collect();
+    let runs = lab.run(&own_rigs, |d| {
         let cost = d.run.map_or(f64::NAN, |r| r.cost_s);
-        println!("{} of {}: {cost:.0} s", d.index + 1, rigs.len());
+        println!("{} of {}: {cost:.0} s", d.index + 1, own.len());
     });
-    for (truth, run) in truths.iter().zip(runs) {
+    let mut all: Vec<Option<anyhow::Result<Run>>> = truths.iter().map(|_| None).collect();
+    for (k, run) in own.into_iter().zip(runs) {
+        all[k] = Some(run.map_err(Into::into));
+    }
+    for (k, truth) in truths.iter().enumerate().filter(|(_, t)| t.code != "tumble") {
+        let Some(program) = &other else {
+            println!("{}: left out, LIGGGHTS is not installed", truth.case);
+            continue;
+        };
+        let own = folder.join("decks").join(&truth.case);
+        all[k] = Some(elsewhere::run(program, &rigs[k], &own, INTERVAL_S, RESOLUTION));
+        println!("{} by another code", truth.case);
+    }
+    for (truth, run) in truths.iter().zip(all) {
+        let Some(run) = run else { continue };
         let run = match run {
             Ok(run) => run,
             Err(e) => {

@@ -6,6 +6,7 @@
 //! many simulated drums that lack nothing.
 
 mod drums;
+mod elsewhere;
 mod make;
 mod matrix;
 mod nulls;

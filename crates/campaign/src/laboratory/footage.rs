@@ -57,6 +57,53 @@ impl Footage {
         }
     }
 
+    /// The footage of positions that another code wrote, a table `frame,x,y,z,radius` (m, drum axis z
+    /// through the origin) as [`crate::export::positions`] makes it, one instant a frame.
+    ///
+    /// # Errors
+    /// [`CampaignError::Dump`] for a table without frames, a cell that is no number, or frames with
+    /// different spheres.
+    ///
+    /// ```
+    /// let table = "frame,x,y,z,radius\n0,0,-0.04,0,0.003\n1,0.001,-0.04,0,0.003\n";
+    /// let footage = campaign::Footage::of_positions(30.0, "positions.csv", table)?;
+    /// assert_eq!((footage.frames.len(), footage.radii.len()), (2, 1));
+    /// # Ok::<(), campaign::CampaignError>(())
+    /// ```
+    pub fn of_positions(speed_rpm: f64, file: &str, table: &str) -> Result<Self, CampaignError> {
+        let fault = |line: usize, problem: String, expected: &'static str| CampaignError::Dump {
+            file: file.to_owned(),
+            line,
+            problem,
+            expected,
+        };
+        let mut radii: Vec<f32> = Vec::new();
+        let mut frames: Vec<Vec<Vec<[f32; 3]>>> = Vec::new();
+        let mut number = None;
+        for (k, line) in table.lines().enumerate().skip(1) {
+            let cells: Vec<f64> = line.split(',').filter_map(|c| c.trim().parse().ok()).collect();
+            let &[frame, x, y, z, radius] = &cells[..] else {
+                return Err(fault(k + 1, format!("`{line}`"), "five numbers frame,x,y,z,radius"));
+            };
+            if number != Some(frame) {
+                number = Some(frame);
+                frames.push(vec![Vec::new()]);
+            }
+            if frames.len() == 1 {
+                radii.push(radius as f32);
+            }
+            if let Some(instant) = frames.last_mut().and_then(|f| f.first_mut()) {
+                instant.push([x, y, z].map(|c| c as f32));
+            }
+        }
+        let same = frames.iter().all(|f| f[0].len() == radii.len());
+        if frames.is_empty() || !same {
+            let problem = "no frames, or frames of different numbers of spheres".to_owned();
+            return Err(fault(1, problem, "the same spheres in every frame"));
+        }
+        Ok(Self { speed_rpm, approach_s: 0.0, froude: 0.0, per_body: 1, radii, frames })
+    }
+
     /// One frame as the film takes it.
     pub fn instants(&self, frame: usize) -> Vec<Vec<Sphere>> {
         let place = |(k, c): (usize, &[f32; 3])| {

@@ -1,7 +1,10 @@
 //! What one simulated experiment has shown.
 
 use drum_vision::SeriesReport;
+use rig_schema::Rig;
 use serde::{Deserialize, Serialize};
+
+use crate::{CampaignError, Footage, Observatory, Resolution};
 
 /// The four responses at one speed, in the order of `rig_schema::Response::ALL`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,4 +65,31 @@ pub struct Run {
     pub particles: usize,
     /// Processor time that simulating, filming and measuring took when it was done, s.
     pub cost_s: f64,
+}
+
+impl Run {
+    /// What another code's motion looks like through the camera and the reader of a rig.
+    ///
+    /// # Errors
+    /// Those of [`Observatory::observe_footage`]; [`CampaignError::Unseen`] for a speed at which fewer
+    /// than two frames could be measured.
+    pub fn of_footage(
+        rig: &Rig,
+        resolution: Resolution,
+        speeds: &[Footage],
+    ) -> Result<Self, CampaignError> {
+        let observatory = Observatory::new(rig, resolution)?;
+        let mut rows = Vec::new();
+        for footage in speeds {
+            let seen = observatory.observe_footage(footage)?;
+            let row = SpeedRow::of(footage.speed_rpm, footage.approach_s, &seen.report);
+            rows.push(row.ok_or_else(|| CampaignError::Unseen {
+                speed_rpm: footage.speed_rpm,
+                measured: seen.report.n_frames,
+                reason: seen.report.rejected.first().map(|r| r.reason.clone()),
+            })?);
+        }
+        let particles = speeds.first().map_or(0, |f| f.radii.len() / f.per_body.max(1) as usize);
+        Ok(Self { key: String::new(), speeds: rows, steps: 0, particles, cost_s: 0.0 })
+    }
 }

@@ -1,0 +1,59 @@
+//! Drums that another code runs: LIGGGHTS by an exported deck.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use anyhow::Context;
+use close_loop::campaign::export::{Code, Schedule, deck, dump_name, positions};
+use close_loop::campaign::{Footage, Resolution, Run};
+use close_loop::rig_schema::Rig;
+
+/// The program, or `None` where it is not installed.
+pub(crate) fn liggghts() -> Option<std::path::PathBuf> {
+    let named = std::env::var_os("TUMBLE_LIGGGHTS").map(std::path::PathBuf::from);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    named
+        .into_iter()
+        .chain(std::env::split_paths(&path).map(|folder| folder.join("liggghts")))
+        .find(|p| p.is_file())
+}
+
+/// Let LIGGGHTS run a rig in `folder` and look at it as at every drum. What is there already is not
+/// run again.
+pub(crate) fn run(
+    program: &Path,
+    rig: &Rig,
+    folder: &Path,
+    interval_s: f64,
+    resolution: Resolution,
+) -> anyhow::Result<Run> {
+    let done = folder.join("done");
+    if !done.exists() {
+        std::fs::create_dir_all(folder)?;
+        let how =
+            Schedule { approach_turns: 1.0, interval_s: Some(interval_s), ..Schedule::default() };
+        for file in deck(rig, Code::Liggghts, &how)? {
+            std::fs::write(folder.join(&file.name), &file.text)?;
+        }
+        let screen = std::fs::File::create(folder.join("screen.log"))?;
+        let status = Command::new(program)
+            .current_dir(folder)
+            .args(["-in", Code::Liggghts.script(), "-log", "none"])
+            .env("OMP_NUM_THREADS", "1")
+            .stdin(Stdio::null())
+            .stderr(screen.try_clone()?)
+            .stdout(screen)
+            .status()
+            .with_context(|| format!("cannot start {}", program.display()))?;
+        anyhow::ensure!(status.success(), "LIGGGHTS failed ({status}): {}", folder.display());
+        std::fs::write(&done, "")?;
+    }
+    let mut footages = Vec::new();
+    for &rpm in &rig.run.speeds_rpm {
+        let path = folder.join(dump_name(rpm));
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let name = path.display().to_string();
+        footages.push(Footage::of_positions(rpm, &name, &positions(&name, &text)?)?);
+    }
+    Ok(Run::of_footage(rig, resolution, &footages)?)
+}
