@@ -134,6 +134,8 @@ pub struct FrameMeasurement {
     pub edge_width_px: f64,
     /// Share of the surface between its outermost edge point and the wall, at the worse end.
     pub continued: f64,
+    /// X
+    pub seen: Vec<(&'static str, f64)>,
     /// What a reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -296,6 +298,18 @@ fn finish(
     let weights = Weights::default();
     let budget =
         budget(curve, local, &drum.fit, prepared.hub_px, raised, &values, config, &weights);
+    let mut seen = crate::uncertainty::seen(curve, local, config);
+    seen.extend([("fill", values.fill), ("lin", values.aor_lin_deg), ("mid", values.aor_mid_deg), ("curv", values.curvature), ("saturated", prepared.saturated), ("stretch", f64::from(prepared.limits.1 - prepared.limits.0)), ("ellipticity", drum.fit.ellipticity), ("center_sd", drum.fit.center_sd_px), ("radius_sd", drum.fit.radius_sd_px), ("glare", curve.glare), ("contrast", curve.contrast)]);
+    {
+        let p = &surface.points;
+        for (name, i, j) in [("end_l", 0usize, 8usize.min(p.len() - 1)), ("end_r", p.len() - 1, p.len() - 1 - 8usize.min(p.len() - 1))] {
+            let (a, b) = (p[i], p[j]);
+            let t = (b.0 - a.0, b.1 - a.1);
+            // sine of the angle between surface and wall
+            let c = (t.0 * a.0 + t.1 * a.1) / t.0.hypot(t.1) / a.0.hypot(a.1);
+            seen.push((name, c.abs()));
+        }
+    }
     let mut warnings = Vec::new();
     let fit = &drum.fit;
     if fit.ellipticity > config.drum.max_ellipticity
@@ -339,6 +353,7 @@ fn finish(
         scatter_px: curve.smoothed.scatter,
         edge_width_px: curve.edge_width_px,
         continued,
+        seen,
         warnings,
     })
 }

@@ -356,3 +356,13 @@ fn legendre(k: usize, t: f64) -> f64 {
     }
     now
 }
+
+/// X
+pub fn seen(curve: &Curve, local: Circle, config: &VisionConfig) -> Vec<(&'static str, f64)> {
+    let (from, to) = (curve.u_px[0], curve.u_px[curve.u_px.len() - 1]);
+    let (middle, half) = (0.5 * (from + to), (0.5 * (to - from)).max(1.0));
+    let br = bridges(curve, half);
+    let gap = br.iter().skip(2).map(|b| b.1 - b.0).sum::<f64>();
+    let lit: f64 = lit_pieces(curve, half).iter().map(|b| if b.0 == b.1 { 0.3 * half } else { b.1 - b.0 }).sum();
+    vec![("length", correlation_length(curve, local.radius_px, config)), ("half", half), ("level_scatter", curve.level_scatter), ("level", level_density(curve)), ("wander", wander_density(curve, middle, half)), ("gap", gap / local.radius_px), ("litlen", lit / local.radius_px), ("nlit", curve.lit.len() as f64), ("out", curve.smoothed.weights.iter().filter(|w| **w < 0.1).count() as f64 / curve.u_px.len() as f64)]
+}
