@@ -18,7 +18,7 @@ use crate::sidecar::RegionSidecar;
 use crate::surface::{RaisedSide, Surface};
 use crate::uncertainty::{Budget, Weights, budget};
 
-/// A value with its standard uncertainty (value ± 2 `sd` is meant to hold the truth in 95 % of frames).
+/// A value with its standard uncertainty (value ± 2 `sd` is meant to hold the truth in 90 to 99 % of frames).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Measured {
@@ -134,8 +134,6 @@ pub struct FrameMeasurement {
     pub edge_width_px: f64,
     /// Share of the surface between its outermost edge point and the wall, at the worse end.
     pub continued: f64,
-    /// X
-    pub seen: Vec<(&'static str, f64)>,
     /// What a reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -201,9 +199,9 @@ const FILL_RANGE: (f64, f64) = (0.015, 0.97);
 /// Share of the surface that may be continued at an end without a word.
 const CONTINUED: f64 = 0.04;
 
-/// Standard uncertainty from which a frame carries a warning, degrees or percent of the radius: half of the error of 0.5 that a
-/// degraded frame may have.
-const LARGE_SD: f64 = 0.25;
+/// Standard uncertainty from which a frame carries a warning, degrees or percent of the radius: the error that a clean frame may
+/// have.
+const LARGE_SD: f64 = 0.15;
 
 /// What a frame may need from outside of itself.
 #[derive(Clone, Copy, Debug, Default)]
@@ -298,18 +296,6 @@ fn finish(
     let weights = Weights::default();
     let budget =
         budget(curve, local, &drum.fit, prepared.hub_px, raised, &values, config, &weights);
-    let mut seen = crate::uncertainty::seen(curve, local, config);
-    seen.extend([("fill", values.fill), ("lin", values.aor_lin_deg), ("mid", values.aor_mid_deg), ("curv", values.curvature), ("saturated", prepared.saturated), ("stretch", f64::from(prepared.limits.1 - prepared.limits.0)), ("ellipticity", drum.fit.ellipticity), ("center_sd", drum.fit.center_sd_px), ("radius_sd", drum.fit.radius_sd_px), ("glare", curve.glare), ("contrast", curve.contrast)]);
-    {
-        let p = &surface.points;
-        for (name, i, j) in [("end_l", 0usize, 8usize.min(p.len() - 1)), ("end_r", p.len() - 1, p.len() - 1 - 8usize.min(p.len() - 1))] {
-            let (a, b) = (p[i], p[j]);
-            let t = (b.0 - a.0, b.1 - a.1);
-            // sine of the angle between surface and wall
-            let c = (t.0 * a.0 + t.1 * a.1) / t.0.hypot(t.1) / a.0.hypot(a.1);
-            seen.push((name, c.abs()));
-        }
-    }
     let mut warnings = Vec::new();
     let fit = &drum.fit;
     if fit.ellipticity > config.drum.max_ellipticity
@@ -353,7 +339,6 @@ fn finish(
         scatter_px: curve.smoothed.scatter,
         edge_width_px: curve.edge_width_px,
         continued,
-        seen,
         warnings,
     })
 }

@@ -74,7 +74,6 @@ pub(crate) struct Outcome {
     pub(crate) visible: f64,
     pub(crate) scatter_px: f64,
     pub(crate) edge_width_px: f64,
-    pub(crate) seen: Vec<(&'static str, f64)>,
 }
 
 pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, VisionError> {
@@ -94,7 +93,6 @@ pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, Vis
         visible: m.visible,
         scatter_px: m.scatter_px,
         edge_width_px: m.edge_width_px,
-        seen: m.seen.clone(),
     })
 }
 
