@@ -5,10 +5,11 @@
 //!   are correlated over a length taken from the residuals' autocorrelation (at least the particle's diameter where
 //!   known), so `n = span / length` of them count. Each Legendre shape `P_k` of the surface, k = 0 to 8, then has the
 //!   standard deviation `scatter sqrt((2 k + 1) / n)`;
+//! - **grain**: gaps between grains shift the whole edge by a share of its scatter;
 //! - **circle**: standard uncertainty of centre and radius from the fit;
 //! - **threshold**: how far the curve moves with the level, times the scatter of the level along the surface: powder and
 //!   uneven light change it in patches (0.35 of the radius counts as one), so that all shapes are touched. The lowest three have
-//!   0.6 of the share of the others, because the level is taken beside the edge and follows light that changes slowly;
+//!   0.62 of the share of the others, because the level is taken beside the edge and follows light that changes slowly;
 //! - **bridged**: pieces without an edge. Beyond the last edge at either end the curve goes on straight, and may bend by
 //!   a curvature of `1/R`; across an inner gap the spline may be off by a tenth of such an arc;
 //! - **ends**: at the wall the curve is held from one side only and may turn off by its scatter over the last 5 % of the radius;
@@ -31,13 +32,15 @@ const SHAPES: usize = 9;
 /// Lowest shapes, of which the level beside the edge follows a part.
 const FOLLOWED: usize = 3;
 /// What remains of them.
-const FOLLOWED_SHARE: f64 = 0.6;
+const FOLLOWED_SHARE: f64 = 0.62;
 
 /// Factors on the components, and floors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// On the scatter of the edge.
     pub edge: f64,
+    /// Shift of the whole edge over its scatter.
+    pub grain: f64,
     /// On centre and radius of the circle.
     pub circle: f64,
     /// On the effect of the level's scatter along the surface.
@@ -63,12 +66,13 @@ impl Default for Weights {
         // renderer took no part.
         Self {
             edge: 1.2,
+            grain: 0.18,
             circle: 0.1,
             threshold: 0.5,
             bridged: 1.0,
             lit: 1.0,
             ends: 1.1,
-            floor_px: 0.03,
+            floor_px: 0.022,
             circle_floor_px: 0.002,
         }
     }
@@ -79,6 +83,8 @@ impl Default for Weights {
 pub struct Budget {
     /// Share of the edge's scatter.
     pub edge: [f64; 6],
+    /// Share of the grains' gaps at the edge.
+    pub grain: [f64; 6],
     /// Share of the circle.
     pub circle: [f64; 6],
     /// Share of the level's scatter along the surface.
@@ -100,9 +106,10 @@ pub struct Budget {
 impl Budget {
     /// Every component with its name.
     #[must_use]
-    pub fn components(&self) -> [(&'static str, [f64; 6]); 9] {
+    pub fn components(&self) -> [(&'static str, [f64; 6]); 10] {
         [
             ("edge", self.edge),
+            ("grain", self.grain),
             ("circle", self.circle),
             ("threshold", self.threshold),
             ("model", self.model),
@@ -219,6 +226,7 @@ pub fn budget(
     let lit = bent(&lit_pieces(curve, half), weights.lit);
     Budget {
         edge: add(&edge),
+        grain: unit[0].map(|v| (v * weights.grain * scatter).abs()),
         circle,
         threshold: add(&threshold),
         model: add(&floor),
