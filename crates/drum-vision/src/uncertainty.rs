@@ -5,6 +5,8 @@
 //!   are correlated over a length taken from the residuals' autocorrelation (at least the particle's diameter where
 //!   known), so `n = span / length` of them count. Each Legendre shape `P_k` of the surface, k = 0 to 8, then has the
 //!   standard deviation `scatter sqrt((2 k + 1) / n)`;
+//! - **wander**: the same from the size of the shapes `P_6` to `P_13` of the edge itself, which smooth surfaces hardly have; grains,
+//!   uneven light and ends that turn off do, and have a share of them in the shapes that count;
 //! - **grain**: gaps between grains shift the whole edge by a share of its scatter;
 //! - **circle**: standard uncertainty of centre and radius from the fit;
 //! - **threshold**: how far the curve moves with the level, times the scatter of the level along the surface: powder and
@@ -37,6 +39,8 @@ const FOLLOWED: [f64; 3] = [0.68, 0.62, 0.62];
 pub struct Weights {
     /// On the scatter of the edge.
     pub edge: f64,
+    /// On the wander of the edge.
+    pub wander: f64,
     /// Shift of the whole edge over its scatter.
     pub grain: f64,
     /// On the standard deviation of the circle's centre.
@@ -62,11 +66,12 @@ impl Default for Weights {
         // Fitted on 300 clean and 300 degraded frames of 484 x 322 pixels (tests/it/scenes.rs, numbers from 110000), 100 each of
         // 968 x 645 and 60 each of 1936 x 1290 (from 130000), all four responses at once: coverage of value +- 2 u held near 92
         // to 95 % in each set and response, small medians preferred; then adjusted by some percent on 500 + 500 frames of
-        // 484 pixels (300000) and 50 + 50 of 1936 (210000). `bridged` and `lit` are set to the cautious side by hand (the fit gives two thirds of them), and so are `center`
+        // 484 pixels (300000) and 100 + 100 of 1936 (210000, 220000). `bridged` and `lit` are set to the cautious side by hand (the fit gives two thirds of them), and so are `center`
         // and `radius` (rings tell little about them; the radius of an outline is known to a pixel only). The frames of the
         // tests, those of VALIDATION.md and those of the independent renderer took no part.
         Self {
             edge: 1.2,
+            wander: 0.12,
             grain: 0.2,
             center: 0.25,
             radius: 1.0,
@@ -85,6 +90,8 @@ impl Default for Weights {
 pub struct Budget {
     /// Share of the edge's scatter.
     pub edge: [f64; 6],
+    /// Share of the edge's wander over lengths between grain and drum.
+    pub wander: [f64; 6],
     /// Share of the grains' gaps at the edge.
     pub grain: [f64; 6],
     /// Share of the circle.
@@ -108,9 +115,10 @@ pub struct Budget {
 impl Budget {
     /// Every component with its name.
     #[must_use]
-    pub fn components(&self) -> [(&'static str, [f64; 6]); 10] {
+    pub fn components(&self) -> [(&'static str, [f64; 6]); 11] {
         [
             ("edge", self.edge),
+            ("wander", self.wander),
             ("grain", self.grain),
             ("circle", self.circle),
             ("threshold", self.threshold),
@@ -170,6 +178,8 @@ pub fn budget(
     let n = (2.0 * half * curve.visible / length).max(4.0);
     let edge: [f64; SHAPES] =
         std::array::from_fn(|k| weights.edge * scatter * ((2 * k + 1) as f64 / n).sqrt());
+    let density = weights.wander * wander_density(curve, middle, half);
+    let wander: [f64; SHAPES] = std::array::from_fn(|k| density * ((2 * k + 1) as f64).sqrt());
     let patch = (0.35 * local.radius_px / (2.0 * half)).min(1.0);
     let level = weights.threshold * level_density(curve) * patch.sqrt();
     let threshold: [f64; SHAPES] = std::array::from_fn(|k| {
@@ -227,6 +237,7 @@ pub fn budget(
     let lit = bent(&lit_pieces(curve, half), weights.lit);
     Budget {
         edge: add(&edge),
+        wander: add(&wander),
         grain: unit[0].map(|v| (v * weights.grain * scatter).abs()),
         circle,
         threshold: add(&threshold),
@@ -338,6 +349,38 @@ fn level_density(curve: &Curve) -> f64 {
         curve.level_shift_px.iter().filter(|s| !s.is_nan()).map(|s| s.abs()).collect();
     // The shifts are those for a tenth of the contrast.
     10.0 * crate::statistics::median_in_place(&mut shifts).unwrap_or(0.0) * curve.level_scatter
+}
+
+/// Root of the mean of `c_k^2 / (2 k + 1)` over the Legendre coefficients 6 to 13 of the edge points, pixels.
+///
+/// For white noise of standard deviation `s` at `n` points it is `s / sqrt(n)`.
+fn wander_density(curve: &Curve, middle: f64, half: f64) -> f64 {
+    const N: usize = 14;
+    let mut normal = [[0.0; N]; N];
+    let mut right = [0.0; N];
+    let mut count = 0usize;
+    let points = curve.u_px.iter().zip(&curve.smoothed.residuals).zip(&curve.smoothed.weights);
+    for ((&u, &r), _) in points.filter(|(_, w)| **w > 0.05) {
+        let t = ((u - middle) / half).clamp(-1.0, 1.0);
+        let v = curve.smoothed.spline.value(u) + r;
+        let row: [f64; N] = std::array::from_fn(|k| legendre(k, t));
+        count += 1;
+        for i in 0..N {
+            right[i] += row[i] * v;
+            for j in 0..N {
+                normal[i][j] += row[i] * row[j];
+            }
+        }
+    }
+    // Gaps leave some shapes undetermined: a slight pull to zero.
+    for (k, row) in normal.iter_mut().enumerate() {
+        row[k] += 1e-3 * count as f64 / (2 * k + 1) as f64;
+    }
+    let Some(c) = crate::linear::solve_normal(&normal, &right) else {
+        return 0.0;
+    };
+    let sum: f64 = (6..N).map(|k| c[k] * c[k] / (2 * k + 1) as f64).sum();
+    (sum / (N - 6) as f64).sqrt()
 }
 
 /// Legendre polynomial of degree `k`, by recurrence.
