@@ -66,9 +66,10 @@ impl Default for Weights {
         // Fitted on 300 clean and 300 degraded frames of 484 x 322 pixels (tests/it/scenes.rs, numbers from 110000), 100 each of
         // 968 x 645 and 60 each of 1936 x 1290 (from 130000), all four responses at once: coverage of value +- 2 u held near 92
         // to 95 % in each set and response, small medians preferred; then adjusted by some percent on 500 + 500 frames of
-        // 484 pixels (300000) and 100 + 100 of 1936 (210000, 220000). `bridged` and `lit` are set to the cautious side by hand (the fit gives two thirds of them), and so are `center`
-        // and `radius` (rings tell little about them; the radius of an outline is known to a pixel only). The frames of the
-        // tests, those of VALIDATION.md and those of the independent renderer took no part.
+        // 484 pixels (300000) and 100 + 100 of 1936 (210000, 220000). `bridged` and `lit` are set to the cautious side by hand
+        // (the fit gives two thirds of them), and so are `center` and `radius` (rings tell little about them; the radius of an
+        // outline is known to a pixel only). The frames of the tests, those of VALIDATION.md and those of the independent
+        // renderer took no part.
         Self {
             edge: 1.2,
             wander: 0.12,
