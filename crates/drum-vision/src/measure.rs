@@ -18,7 +18,7 @@ use crate::sidecar::RegionSidecar;
 use crate::surface::{RaisedSide, Surface};
 use crate::uncertainty::{Budget, Weights, budget};
 
-/// A value with its standard uncertainty (value ± 2 `sd` is meant to hold the truth in 95 % of frames).
+/// A value with its standard uncertainty (value ± 2 `sd` is meant to hold the truth in 90 to 99 % of frames).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Measured {
@@ -199,9 +199,9 @@ const FILL_RANGE: (f64, f64) = (0.015, 0.97);
 /// Share of the surface that may be continued at an end without a word.
 const CONTINUED: f64 = 0.04;
 
-/// Standard uncertainty from which a frame carries a warning, degrees or percent of the radius: half of the error of 0.5 that a
-/// degraded frame may have.
-const LARGE_SD: f64 = 0.25;
+/// Standard uncertainty from which a frame carries a warning, degrees or percent of the radius: the error that a clean frame may
+/// have.
+const LARGE_SD: f64 = 0.15;
 
 /// What a frame may need from outside of itself.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,7 +3,7 @@
 //! `cargo run --release -p drum-vision --example accuracy -- [FRAMES] [WIDTH] [FIRST]`
 //!
 //! FRAMES clean and as many degraded frames of drum-film (200 each by default), WIDTH pixels wide, numbered from FIRST
-//! (7000 by default; the weights of the uncertainty were fitted on numbers 0 to 299), then the hundred
+//! (7000 by default; the weights of the uncertainty were fitted on numbers from 110000 to 130099), then the hundred
 //! frames of the independent renderer where the fixtures are at hand. VERBOSE=1 lists the worst frames, OUT=FOLDER
 //! keeps the drawn ones, JSON=FILE writes every frame (errors, uncertainties with their components, warnings) and
 //! the summary for machines.
@@ -90,6 +90,8 @@ fn independent(degraded: bool, config: &drum_vision::VisionConfig) -> Vec<Row> {
                     radius_px: c.radius_px,
                     continued: m.continued,
                     visible: m.visible,
+                    scatter_px: m.scatter_px,
+                    edge_width_px: m.edge_width_px,
                     warnings: m.warnings.iter().map(ToString::to_string).collect(),
                 })
             });
@@ -198,6 +200,7 @@ fn row((name, outcome): &Row) -> Value {
                 "frame": name, "radius_px": o.radius_px, "error": o.error, "u": o.sd,
                 "components": parts, "circle_error_px": o.circle, "warnings": o.warnings,
                 "continued": o.continued, "visible": o.visible,
+                "scatter_px": o.scatter_px, "edge_width_px": o.edge_width_px,
             })
         }
     }

@@ -13,6 +13,8 @@ use crate::frame::{Frame, Plane, Window};
 pub struct Prepared {
     /// Filtered grey levels, stretched to 0..255.
     pub plane: Plane,
+    /// The same square before filters and stretch, grey levels of the frame.
+    pub raw: Plane,
     /// Column and row of its first sample in the frame.
     pub origin_px: (f64, f64),
     /// The drum's circle in the plane's coordinates.
@@ -84,10 +86,28 @@ pub fn prepare(
         *v = stretched(*v, limits);
     }
     let histogram = histogram(over_spans(&plane.to_u8(), w, &spans));
-    Ok(Prepared { plane, origin_px, circle: local, hub_px, limits, saturated, hidden, histogram })
+    Ok(Prepared {
+        plane,
+        raw: grey,
+        origin_px,
+        circle: local,
+        hub_px,
+        limits,
+        saturated,
+        hidden,
+        histogram,
+    })
 }
 
 impl Prepared {
+    /// Unfiltered grey at a point on the scale of the stretched plane, not clamped.
+    #[must_use]
+    #[inline]
+    pub fn grey_at(&self, x: f64, y: f64) -> f64 {
+        let (low, high) = (f64::from(self.limits.0), f64::from(self.limits.1));
+        (self.raw.sample(x, y) - low) * (255.0 / (high - low))
+    }
+
     /// Whether a reflex hides the pixel nearest to a point.
     #[must_use]
     #[inline]

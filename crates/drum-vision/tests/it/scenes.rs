@@ -72,6 +72,8 @@ pub(crate) struct Outcome {
     pub(crate) warnings: Vec<String>,
     pub(crate) continued: f64,
     pub(crate) visible: f64,
+    pub(crate) scatter_px: f64,
+    pub(crate) edge_width_px: f64,
 }
 
 pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, VisionError> {
@@ -89,6 +91,8 @@ pub(crate) fn outcome(case: &Case, config: &VisionConfig) -> Result<Outcome, Vis
         warnings: m.warnings.iter().map(ToString::to_string).collect(),
         continued: m.continued,
         visible: m.visible,
+        scatter_px: m.scatter_px,
+        edge_width_px: m.edge_width_px,
     })
 }
 
