@@ -10,8 +10,9 @@ use super::drums::{self, DOSES};
 use super::elsewhere;
 use super::sealed::{Truth, seal};
 
-/// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number.
-fn rig_text(law: &str, frames: u32) -> String {
+/// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number, `dt`
+/// the time step, s (0.4 ms is a quarter of the Rayleigh time).
+fn rig_text(law: &str, frames: u32, dt: f64) -> String {
     format!(
         r#"name = "blind"
 {law}
@@ -23,7 +24,7 @@ friction = {{ pp = 0.4, mantle = 0.9 }}
 restitution = {{ pp = 0.6, mantle = 0.6 }}
 rolling = {{ pp = 0.01, mantle = 0.01 }}
 camera = {{ distance_m = 0.5 }}
-run = {{ speeds_rpm = [15.0, 30.0, 45.0, 60.0], frames = {frames}, time_step_s = 2e-4 }}
+run = {{ speeds_rpm = [15.0, 30.0, 45.0, 60.0], frames = {frames}, time_step_s = {dt} }}
 [materials]
 glass = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e5 }}
 "#
@@ -32,7 +33,7 @@ glass = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e
 
 /// The case file: the rig, and what is asked.
 pub(crate) fn case_text(without: &[String]) -> String {
-    let mut text = rig_text("", 20);
+    let mut text = rig_text("", 20, 4e-4);
     text.push_str(
         "\n[data]\nresponses = \"measured.csv\"\n\n[free]\nfriction.pp = { range = [0.15, 0.9] }\n\n[holdout]\nspeeds_rpm = [30.0]\n\n[simulator.rig]\ncoarse = false\n",
     );
@@ -52,7 +53,7 @@ pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
         .map(|d| d.law)
         .find(|l| !l.is_empty())
         .unwrap_or("");
-    let mut rig = Rig::parse("blind.toml", &rig_text(law, 48))?;
+    let mut rig = Rig::parse("blind.toml", &rig_text(law, 48, 2e-4))?;
     let mut set = |path: &str, value: f64| {
         rig.settings.set(path, value).map_err(|_| anyhow::anyhow!("{path} = {value} is refused"))
     };

@@ -5,8 +5,12 @@ use rig_schema::{Layer, Rig, Settings, namespace};
 
 use crate::Resolution;
 
-/// Version of everything that turns parameters into responses; a change of it empties the cache.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "/1");
+/// Version of what turns parameters into motions; a change of it empties the cache.
+const MOTION: &str = concat!(env!("CARGO_PKG_VERSION"), "/1");
+
+/// Version of what turns motions into responses (film and reader); a change of it has kept motions
+/// filmed and measured anew.
+const RESPONSES: &str = concat!(env!("CARGO_PKG_VERSION"), "/2");
 
 /// Key of a motion: the rig without its names, camera and reader, and how it is sampled.
 pub(crate) fn motion(rig: &Rig, options: &Options) -> blake3::Hash {
@@ -16,7 +20,7 @@ pub(crate) fn motion(rig: &Rig, options: &Options) -> blake3::Hash {
     bare.settings = only(&rig.settings, |layer| layer == Layer::Physics);
     let liner = options.liner_stl.as_deref().map(blake3::hash);
     let sampling = Options { threads: 1, liner_stl: None, ..options.clone() };
-    blake3::hash(format!("{VERSION} motion {bare:?} {sampling:?} {liner:?}").as_bytes())
+    blake3::hash(format!("{MOTION} motion {bare:?} {sampling:?} {liner:?}").as_bytes())
 }
 
 /// Key of the measured row of a motion.
@@ -27,7 +31,7 @@ pub(crate) fn responses(
     frames: usize,
 ) -> blake3::Hash {
     let seen = only(&rig.settings, |layer| layer != Layer::Physics);
-    let text = format!("{VERSION} responses {motion} {seen:?} {resolution:?} {frames}");
+    let text = format!("{RESPONSES} responses {motion} {seen:?} {resolution:?} {frames}");
     blake3::hash(text.as_bytes())
 }
 
