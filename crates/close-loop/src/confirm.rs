@@ -10,7 +10,9 @@ use crate::catalogue::Effect;
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::Emulator;
 use crate::error::CloseLoopError;
-use crate::outcome::{Errors, Outcome, Point, ResponseErrors, Side, StrengthOf};
+use crate::outcome::{
+    Errors, Outcome, Point, ResponseErrors, Side, StrengthOf, at_the_end, sort_out,
+};
 use crate::runs::{rig_at, rig_with};
 
 /// Level below which fresh runs contradict the winner.
@@ -40,6 +42,10 @@ pub(crate) fn outcome(
         Verdict::Pairs(pairs) => pairs.first().map(|p| p.to_vec()).unwrap_or_default(),
     };
     let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
+    let mut out = Vec::new();
+    if !is_pair {
+        (names, out) = sort_out(&state.setup.catalogue.effects, &finding, names);
+    }
     let before = fresh(state, &base, &finding.base.theta, &[], watch)?;
     let mut others = Vec::new();
     let mut after = None;
@@ -96,11 +102,16 @@ pub(crate) fn outcome(
     let verdict = match (&finding.verdict, confirmed) {
         (Verdict::None, _) => "none",
         (Verdict::Unknown, _) | (_, Some(false)) => "unknown",
+        _ if names.is_empty() => "unknown",
         (Verdict::Pairs(_), _) => "class",
         (Verdict::Effect(_) | Verdict::Class(_), _) if names.len() == 1 => "effect",
         (Verdict::Effect(_) | Verdict::Class(_), _) => "class",
     };
-    let sentence = sentence(&finding, verdict, &strengths, is_pair);
+    let sentence = if names.is_empty() && !out.is_empty() {
+        at_the_end(&out)
+    } else {
+        sentence(&finding, verdict, &strengths, is_pair)
+    };
     let calibrated = finding
         .base
         .parameters

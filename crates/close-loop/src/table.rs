@@ -11,7 +11,9 @@ use rig_schema::{Case, Response};
 
 use crate::catalogue::{Catalogue, Effect};
 use crate::error::CloseLoopError;
-use crate::outcome::{Errors, Outcome, Point, ResponseErrors, Side, StrengthOf};
+use crate::outcome::{
+    Errors, Outcome, Point, ResponseErrors, Side, StrengthOf, at_the_end, sort_out,
+};
 use crate::plan::Effort;
 
 /// A surrogate read with an error; the parameters are the surrogate's and the strength.
@@ -142,10 +144,14 @@ pub fn close_with_table(
         Verdict::Pairs(pairs) => pairs.first().map(|p| p.to_vec()).unwrap_or_default(),
         Verdict::None | Verdict::Unknown => Vec::new(),
     };
+    let (members, out) = match &finding.verdict {
+        Verdict::Pairs(_) => (members, Vec::new()),
+        _ => sort_out(&reading, &finding, members),
+    };
     let base = Table { study, held_out: held_out.as_ref() };
     let before = base.side(&study.surrogate, None, &finding.base.theta)?;
     let after = match &finding.verdict {
-        Verdict::Effect(_) | Verdict::Class(_) => {
+        Verdict::Effect(_) | Verdict::Class(_) if !members.is_empty() => {
             let best = finding.ranked.iter().find(|r| r.name == members[0]);
             let model = models.iter().find(|m| m.path == members[0]);
             match (best, model) {
@@ -155,7 +161,11 @@ pub fn close_with_table(
         }
         _ => None,
     };
-    let (verdict, sentence) = words(&finding, &members);
+    let (verdict, sentence) = if members.is_empty() && !out.is_empty() {
+        ("unknown", at_the_end(&out))
+    } else {
+        words(&finding, &members)
+    };
     let strengths = members
         .iter()
         .filter_map(|name| {
@@ -227,10 +237,10 @@ fn words(finding: &Finding, members: &[String]) -> (&'static str, String) {
             "none",
             format!("No missing effect can be detected: {chi}, p = {:.2}.", gate.p_combined),
         ),
-        Verdict::Effect(name) => {
-            ("effect", format!("The reading differs, not the physics: {name}."))
+        Verdict::Effect(_) | Verdict::Class(_) if members.len() == 1 => {
+            ("effect", format!("The reading differs, not the physics: {}.", members[0]))
         }
-        Verdict::Class(_) | Verdict::Pairs(_) => {
+        Verdict::Effect(_) | Verdict::Class(_) | Verdict::Pairs(_) => {
             ("class", format!("Errors of reading explain the data: {}.", members.join(", ")))
         }
         Verdict::Unknown => (
