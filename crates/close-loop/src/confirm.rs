@@ -8,15 +8,18 @@ use rig_schema::Response;
 
 use crate::catalogue::Effect;
 use crate::driver::{CloseLoop, Stage, State, Told};
-use crate::emulator::Emulator;
+use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
 use crate::outcome::{
     Errors, Outcome, Point, ResponseErrors, Side, StrengthOf, at_the_end, sort_out,
 };
-use crate::runs::{rig_at, rig_with};
+use crate::runs::{rig_at, rig_with, sample};
 
 /// Level below which fresh runs contradict the winner.
 const CONTRADICTED: f64 = 1e-3;
+
+/// Fillings from one round of fresh runs to the next.
+const ROUND: usize = 1000;
 
 /// Members of a class that are confirmed.
 const CONFIRMED_MEMBERS: usize = 3;
@@ -26,14 +29,22 @@ struct Fresh {
     side: Side,
     /// Prediction and standard deviation at fitted, then held-out observations.
     points: Vec<(f64, f64)>,
+    /// The runs, for the models to learn from if they are refuted.
+    samples: Vec<Sample>,
 }
 
+/// What fresh runs of one effect have shown: its path, the point, the runs.
+pub(crate) type Learned = (String, Vec<f64>, Vec<Sample>);
+
+/// Fresh runs of what was found; `round` counts how often answers were refuted before.
 pub(crate) fn outcome(
     this: &CloseLoop<'_>,
     state: &mut State<'_>,
     finding: Finding,
+    round: usize,
     watch: &mut dyn FnMut(&Told),
-) -> Result<Outcome, CloseLoopError> {
+) -> Result<(Outcome, Vec<Learned>), CloseLoopError> {
+    let mut learned: Vec<Learned> = Vec::new();
     let base = state.base_model(&state.theta)?;
     let mut names: Vec<String> = match &finding.verdict {
         Verdict::None | Verdict::Unknown => Vec::new(),
@@ -46,7 +57,7 @@ pub(crate) fn outcome(
     if !is_pair {
         (names, out) = sort_out(&state.setup.catalogue.effects, &finding, names);
     }
-    let before = fresh(state, &base, &finding.base.theta, &[], watch)?;
+    let before = fresh(state, &base, &finding.base.theta, &[], round, watch)?;
     let mut others = Vec::new();
     let mut after = None;
     if is_pair {
@@ -54,7 +65,7 @@ pub(crate) fn outcome(
             let free = state.setup.free.len();
             let theta = p.fit.theta[..free.min(p.fit.theta.len())].to_vec();
             let with = effects_at(state, &p.names, &p.strengths);
-            after = Some(fresh(state, &base, &theta, &with, watch)?);
+            after = Some(fresh(state, &base, &theta, &with, round, watch)?);
         }
     } else {
         let mut tried = Vec::new();
@@ -62,7 +73,9 @@ pub(crate) fn outcome(
             let Some(r) = finding.ranked.iter().find(|r| r.name == *name) else { continue };
             let Some((strength, theta)) = r.fit.theta.split_last() else { continue };
             let with = effects_at(state, std::slice::from_ref(name), &[*strength]);
-            tried.push((name.clone(), fresh(state, &base, theta, &with, watch)?));
+            let model = fresh(state, &base, theta, &with, round, watch)?;
+            learned.push((name.clone(), r.fit.theta.clone(), model.samples.clone()));
+            tried.push((name.clone(), model));
         }
         // A member that its own fresh runs contradict is out, as long as another stands.
         let stands = |(_, f): &(String, Fresh)| f.side.errors.p > CONTRADICTED;
@@ -120,7 +133,7 @@ pub(crate) fn outcome(
         .zip(&finding.base.sd)
         .map(|((p, v), sd)| (p.clone(), *v, *sd))
         .collect();
-    Ok(Outcome {
+    let outcome = Outcome {
         case: this.case.rig.name.clone(),
         verdict,
         members: names,
@@ -132,6 +145,7 @@ pub(crate) fn outcome(
         others,
         removed,
         confirmed,
+        refuted: round,
         points,
         speeds_rpm: state.setup.knots.clone(),
         inflation: base.inflation(),
@@ -140,9 +154,10 @@ pub(crate) fn outcome(
         cost_s: state.runs.cost_s,
         failed: state.runs.failed.clone(),
         left_out: state.setup.catalogue.left_out.clone(),
-        assumed: assumed(this, state),
+        assumed: assumed(this, state, round),
         finding,
-    })
+    };
+    Ok((outcome, learned))
 }
 
 fn effects_at(state: &State<'_>, names: &[String], strengths: &[f64]) -> Vec<(Effect, f64)> {
@@ -157,13 +172,14 @@ fn fresh(
     base: &Emulator,
     theta: &[f64],
     effects: &[(Effect, f64)],
+    round: usize,
     watch: &mut dyn FnMut(&Told),
 ) -> Result<Fresh, CloseLoopError> {
     let rig = state.setup.full.clone().unwrap_or_else(|| state.setup.rig.clone());
     let mut label = "the calibrated model".to_owned();
     let mut rigs = Vec::new();
     for k in 0..state.effort.confirm {
-        let filling = state.runs.filling(Stage::Confirm, k);
+        let filling = state.runs.filling(Stage::Confirm, ROUND * round + k);
         let mut with = rig_at(&rig, &state.setup.axes, theta, filling)?;
         if let Some((effect, strength)) = effects.first() {
             with = rig_with(&rig, &state.setup.axes, theta, (effect, *strength), filling)?;
@@ -275,7 +291,9 @@ fn fresh(
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));
     let effect = (!effects.is_empty())
         .then(|| effects.iter().map(|(e, _)| e.path.clone()).collect::<Vec<_>>().join(" + "));
-    Ok(Fresh { side: Side { effect, at: named, fillings: runs.len(), errors }, points })
+    let at: Vec<f64> = theta.iter().copied().chain(effects.iter().map(|(_, s)| *s)).collect();
+    let samples = runs.iter().map(|run| sample(at.clone(), run)).collect();
+    Ok(Fresh { side: Side { effect, at: named, fillings: runs.len(), errors }, points, samples })
 }
 
 fn points(state: &State<'_>, before: &Fresh, after: &Fresh) -> Vec<Point> {
@@ -349,8 +367,14 @@ fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair:
     }
 }
 
-fn assumed(this: &CloseLoop<'_>, state: &State<'_>) -> Vec<String> {
+fn assumed(this: &CloseLoop<'_>, state: &State<'_>, refuted: usize) -> Vec<String> {
     let mut all = Vec::new();
+    if refuted > 0 {
+        all.push(format!(
+            "Fresh runs refuted {refuted} answer{} before this one; the models learnt from them.",
+            if refuted == 1 { "" } else { "s" }
+        ));
+    }
     if this.case.data.n_eff.is_none() && this.measured.rows.iter().any(|r| r.n_eff.is_none()) {
         all.push(
             "A measured mean counts as 15 independent frames where the table does not say."

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use calib::attribution::{Attribution, Candidate, Finding, Layer, Settings};
+use calib::attribution::{Attribution, Candidate, Finding, Layer, Settings, Verdict};
 use calib::{CalibError, Predicted, Problem, Simulator};
 use campaign::Laboratory;
 use rig_schema::{Case, MeasuredTable, Rig};
 
 use crate::catalogue::Effect;
+use crate::challenge::{CHALLENGED, CHALLENGES};
 use crate::confirm;
 use crate::curve::{Change, Curve};
 use crate::emulator::{Axis, Emulator, Sample, Shift};
@@ -70,6 +71,9 @@ pub struct CloseLoop<'a> {
 /// Half the side of a box about a best point, coded units.
 const NEAR: f64 = 0.7;
 
+/// How often an answer that fresh runs refute is given up for another.
+const RETRIES: usize = 3;
+
 /// Spacing of the points at which runs are made, coded units.
 const GRID: f64 = 0.5;
 
@@ -79,10 +83,10 @@ pub(crate) struct State<'a> {
     pub(crate) effort: Effort,
     pub(crate) runs: Runs<'a>,
     base: Vec<Sample>,
-    effects: ByEffect,
+    pub(crate) effects: ByEffect,
     curves: BTreeMap<String, Change>,
     /// Point about which each effect is modelled: free parameters, strength.
-    centres: BTreeMap<String, Vec<f64>>,
+    pub(crate) centres: BTreeMap<String, Vec<f64>>,
     pub(crate) theta: Vec<f64>,
     bias: Option<Vec<Shift>>,
     modes: Vec<Vec<[f64; 4]>>,
@@ -117,8 +121,35 @@ impl CloseLoop<'_> {
     /// # Errors
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
-        let (mut state, finding) = self.stages(watch)?;
-        confirm::outcome(self, &mut state, finding, watch)
+        let (mut state, mut finding) = self.stages(watch)?;
+        let (mut round, mut challenges) = (0, 0);
+        loop {
+            let no_single = matches!(finding.verdict, Verdict::Unknown | Verdict::Pairs(_));
+            if no_single && challenges < CHALLENGES && self.within(&state, CHALLENGED) {
+                challenges += 1;
+                if state.challenge(&finding, challenges, watch)? {
+                    finding = state.attribute(&self.settings.attribution)?;
+                    continue;
+                }
+            }
+            let (mut outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
+            // Fresh runs that refute an answer are the best that its model can learn from.
+            let within = self.within(&state, 2);
+            let learns = learned.iter().any(|l| state.can_learn(l));
+            if outcome.confirmed != Some(false) || round == RETRIES || !learns || !within {
+                outcome.refuted = round;
+                return Ok(outcome);
+            }
+            state.learn(learned);
+            round += 1;
+            finding = state.attribute(&self.settings.attribution)?;
+        }
+    }
+
+    /// Whether the limit allows so many models to be run anew.
+    fn within(&self, state: &State<'_>, models: usize) -> bool {
+        let more = models * state.effort.confirm;
+        self.settings.runs.is_none_or(|most| state.runs.made + more <= most)
     }
 
     /// Everything but the fresh runs: for studies of false alarms and of power.
@@ -168,7 +199,7 @@ fn simulated_effects(setup: &Setup) -> usize {
     setup.catalogue.effects.iter().filter(|e| is_simulated(e)).count() + setup.simulated.len()
 }
 
-fn is_simulated(effect: &Effect) -> bool {
+pub(crate) fn is_simulated(effect: &Effect) -> bool {
     matches!(effect.layer, Layer::Physics | Layer::Code)
 }
 

@@ -10,6 +10,7 @@
 pub use {calib, campaign, rig_schema};
 
 mod catalogue;
+mod challenge;
 mod confirm;
 mod curve;
 mod driver;

@@ -113,6 +113,8 @@ pub struct Outcome {
     pub removed: Option<f64>,
     /// Whether fresh runs agree with the winner: `None` where nothing was named.
     pub confirmed: Option<bool>,
+    /// Answers before this one that fresh runs refuted: their runs were learnt from.
+    pub refuted: usize,
     /// Responses point by point.
     pub points: Vec<Point>,
     /// Speeds that were simulated, rpm.

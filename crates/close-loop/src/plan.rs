@@ -70,8 +70,9 @@ impl Effort {
             + self.replicates
             + 2 * self.probes * effects
             + self.refine * self.short_list
-            // The base, the winner and two more of its class.
-            + 4 * self.confirm
+            // The base, the winner and two more of its class; two more where an answer is refuted or
+            // none fits.
+            + 6 * self.confirm
     }
 
     /// The plan for a number of runs.

@@ -216,6 +216,7 @@ pub fn close_with_table(
         after: last,
         others: Vec::new(),
         confirmed: None,
+        refuted: 0,
         points: base.points(&values, last_values),
         speeds_rpm: Vec::new(),
         inflation: 1.0,
