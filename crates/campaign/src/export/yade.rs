@@ -9,9 +9,9 @@
 //! beads' and YADE's radius they give the force of `E*` and `G*` of the pair on a flat wall. The script compares
 //! both with what YADE made of them.
 //!
-//! Its rolling moment is a spring in the relative rotation, without damping, with the limit `eta Rm N`, `Rm` the mean
-//! of both radii: `mu_r R* N` of a constant torque for equal beads. The coefficient is one for all pairs; at walls
-//! the script sets the limits, every ten steps.
+//! Its rolling moment is a spring in the relative rotation, without damping, with the limit `eta Rm N` (none
+//! where `N` is zero), `Rm` the mean of both radii: `mu_r R* N` of a constant torque for equal beads. The
+//! coefficient is one for all pairs; at walls the script sets the limits, every ten steps.
 
 use drum_rig::{Experiment, GRAVITY};
 use rig_schema::Ends;
@@ -26,9 +26,10 @@ const BODY: &str = include_str!("yade_drum.py");
 const SAGITTA: f64 = 0.01;
 /// Radius that YADE gives a bead's partner at the mantle and at end plates, in radii of the bead.
 const PARTNER: [f64; 2] = [2.0, 1.0];
-/// Rolling spring times the squared time step over a bead's moment of inertia, at most: with a
-/// dozen springs at a bead the fastest turn takes a dozen steps.
-const STIFFEST: f64 = 0.02;
+/// Rolling spring times the squared time step over a bead's moment of inertia, at most. There is no limit
+/// where damping has cut the normal force to zero, at the end of an impact, and a stiff spring
+/// seems to brake the beads there: four times as stiff, 300 beads at 60 rpm lay at 31.9 degrees, not 31.0.
+const STIFFEST: f64 = 0.005;
 
 pub(super) fn files(scene: &Scene, drum: &Experiment, plan: &Stages) -> Vec<DeckFile> {
     let text = format!("{}{BODY}", constants(scene, drum, plan));
