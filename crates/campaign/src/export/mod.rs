@@ -1,27 +1,28 @@
 //! The same drum for other codes: a deck, the positions at the start, and the way back.
 //!
-//! [`deck`] turns a rig into an input script for LIGGGHTS or LAMMPS with a data file of its filled drum. The
+//! [`deck`] turns a rig into an input script for LIGGGHTS, LAMMPS or YADE with a data file of its filled drum. The
 //! deck does what an [`drum_rig::Experiment`] does: the bed settles under tilted gravity with drag,
 //! the drum takes up one speed after another, a drag fades while the bed rises at the first, and
 //! frames are written at given times. [`positions`] turns their dumps into the table that the film reads.
 //!
 //! What a code does not know is refused, not left out.
 //!
-//! | of a rig | LIGGGHTS | LAMMPS |
-//! |---|---|---|
-//! | particles | spheres, one size or many | as left |
-//! | normal, tangential | `hertz`, `tangential history` | `hertz`, `mindlin_rescale/force` |
-//! | rolling | none; `constant_torque` as `cdt` | none; `constant_torque` as `sds` with a stiff spring (approximate); |
-//! | cohesion | none; `simplified_jkr` as `sjkr` | none |
-//! | ends | turning, still, periodic | as left |
-//! | friction, rolling, restitution | own values of mantle and end plates | as left |
-//! | moduli | per material, combined by the code | per pair, combined here |
+//! | of a rig | LIGGGHTS | LAMMPS | YADE |
+//! |---|---|---|---|
+//! | particles | spheres, one size or many | as left | as left |
+//! | normal, tangential | `hertz`, `tangential history` | `hertz`, `mindlin_rescale/force` | `MindlinPhys_Mindlin` |
+//! | rolling | none; `constant_torque` as `cdt` | none; `constant_torque` as `sds` with a stiff spring (approximate) | none; `constant_torque` as a stiff spring (approximate) |
+//! | cohesion | none; `simplified_jkr` as `sjkr` | none | none |
+//! | ends | turning, still, periodic | as left | as left |
+//! | friction, rolling, restitution | own values of mantle and end plates | as left | as left |
+//! | moduli | per material, combined by the code | per pair, combined here | stand-ins, which the code combines to the pair's |
 
 mod dump;
 mod lammps;
 mod liggghts;
 mod scene;
 mod schedule;
+mod yade;
 
 pub use dump::positions;
 pub use schedule::Schedule;
@@ -39,6 +40,8 @@ pub enum Code {
     Liggghts,
     /// LAMMPS with the package GRANULAR.
     Lammps,
+    /// YADE 2023.02.
+    Yade,
 }
 
 impl Code {
@@ -47,6 +50,7 @@ impl Code {
         match self {
             Self::Liggghts => "LIGGGHTS",
             Self::Lammps => "LAMMPS",
+            Self::Yade => "YADE",
         }
     }
 
@@ -55,6 +59,7 @@ impl Code {
         match self {
             Self::Liggghts => "drum.lig",
             Self::Lammps => "drum.lmp",
+            Self::Yade => "drum.py",
         }
     }
 }
@@ -114,6 +119,7 @@ pub fn deck(rig: &Rig, code: Code, how: &Schedule) -> Result<Vec<DeckFile>, Camp
     let mut files = match code {
         Code::Liggghts => liggghts::files(&scene, &drum, &stages),
         Code::Lammps => lammps::files(&scene, &drum, &stages),
+        Code::Yade => yade::files(&scene, &drum, &stages),
     };
     files.insert(1, data);
     Ok(files)

@@ -188,7 +188,7 @@ fn refuse(rig: &Rig, code: Code) -> Result<(), CampaignError> {
     } else {
         c.cohesion != Cohesion::None
     };
-    let faults: [(bool, &'static str, &'static str); 11] = [
+    let faults: [(bool, &'static str, &'static str); 12] = [
         (!matches!(rig.particles.shape, Shape::Sphere(_)), "particles are clumps", "spheres"),
         (set("shape.aspect_ratio"), "`shape.aspect_ratio` makes clumps", "spheres"),
         (rig.drum.lifters.is_some(), "the drum has lifters", "a plain mantle"),
@@ -217,6 +217,11 @@ fn refuse(rig: &Rig, code: Code) -> Result<(), CampaignError> {
             set("friction.kinetic_ratio"),
             "`friction.kinetic_ratio` below 1",
             "one friction, at rest and in motion",
+        ),
+        (
+            code == Code::Yade && c.attractive_tail,
+            "`contact.attractive_tail`",
+            "contact.attractive_tail = false",
         ),
         (set("vibration.amplitude_m"), "`vibration.amplitude_m`", "no vibration"),
         (set("drag.coefficient_s"), "`drag.coefficient_s`", "no drag"),

@@ -76,6 +76,7 @@ fn frames(rig: &Rig, code: Code, how: &Schedule) -> Option<Vec<Vec<Beads>>> {
     let (name, variable) = match code {
         Code::Liggghts => ("liggghts", "TUMBLE_LIGGGHTS"),
         Code::Lammps => ("lmp", "TUMBLE_LAMMPS"),
+        Code::Yade => ("yade", "TUMBLE_YADE"),
     };
     let (program, libraries) = program(variable, name)?;
     let folder = tempfile::tempdir().expect("a folder");
@@ -83,7 +84,11 @@ fn frames(rig: &Rig, code: Code, how: &Schedule) -> Option<Vec<Vec<Beads>>> {
         std::fs::write(folder.path().join(&file.name), &file.text).expect("written");
     }
     let mut command = Command::new(program);
-    command.args(["-in", code.script(), "-log", "none"]).current_dir(folder.path());
+    match code {
+        Code::Yade => command.args(["-n", "-j1", "-x", code.script()]),
+        Code::Liggghts | Code::Lammps => command.args(["-in", code.script(), "-log", "none"]),
+    };
+    command.current_dir(folder.path());
     // The LAMMPS of the Python package index finds its MPI in its own folder.
     if let Some(libraries) = libraries.filter(|_| code == Code::Lammps) {
         command.env("LD_LIBRARY_PATH", libraries);
@@ -124,7 +129,8 @@ fn plausible(all: &[Vec<Beads>], rig: &Rig, frames: usize) -> Vec<f64> {
         .map(|speed| {
             assert_eq!(speed.len(), frames);
             for beads in speed {
-                assert_eq!(beads.len(), 300, "no bead is lost");
+                let count = rig.settings.given("fill.count").expect("a number of beads");
+                assert_eq!(beads.len(), count as usize, "no bead is lost");
                 for [x, y, z, r] in beads {
                     assert!(x.hypot(*y) < rig.drum.radius_m - 0.8 * r, "({x}, {y}) is outside");
                     // A periodic code brings beads back into the box only now and then.
@@ -182,6 +188,56 @@ fn lammps_runs_the_same_drum() {
 }
 
 #[test]
+fn yade_runs_a_few_beads_between_plates_and_periodic_ends() {
+    let few = BEADS
+        .replace("radius_m = 0.03, length_m = 0.03", "radius_m = 0.02, length_m = 0.02")
+        .replace("fill.count = 300", "fill.count = 80")
+        .replace("[60.0, 30.0]", "[60.0]");
+    let how = Schedule { times_s: vec![0.3, 0.4, 0.5], ..Schedule::default() };
+    let plates = rig(&few);
+    let Some(all) = frames(&plates, Code::Yade, &how) else { return };
+    println!("YADE: {:?} degrees", plausible(&all, &plates, 3));
+    let mut text =
+        few.replace("end_plates = \"glass\" }", "end_plates = \"glass\", ends = \"periodic\" }");
+    for plate in [", end_plate = 0.2", ", end_plate = 0.8", ", end_plate = 0.01"] {
+        text = text.replace(plate, "");
+    }
+    let endless = rig(&text);
+    assert_eq!(endless.drum.ends, campaign::rig_schema::Ends::Periodic);
+    let all = frames(&endless, Code::Yade, &how).expect("is there");
+    println!("YADE, periodic ends: {:?} degrees", plausible(&all, &endless, 3));
+}
+
+#[test]
+fn the_deck_for_yade_has_own_values_for_each_wall() {
+    let files = deck(&rig(BEADS), Code::Yade, &quick()).expect("is a deck");
+    let names: Vec<&str> = files.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["drum.py", "start.data"]);
+    let text = &files[0].text;
+    for line in [
+        "FRICTION = [0.5, 0.6, 0.2]",
+        "RESTITUTION = [0.7, 0.6, 0.8]",
+        "ROLLING = [0.02, 0.03, 0.01]",
+        "ENDS = \"turning\"",
+        "Ip2_FrictMat_FrictMat_MindlinPhys",
+        "(approximate)",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    // The speeds in ascending order, a drag that fades at the first, twelve frames each.
+    let (slow, fast) = (text.find("frames_30rpm.dump"), text.find("frames_60rpm.dump"));
+    assert!(slow.is_some() && slow < fast);
+    let stages: Vec<&str> = text.lines().filter(|l| l.contains("rpm.dump")).collect();
+    assert!(stages.iter().all(|s| s.matches("\"frame\"").count() == 12));
+    assert!(stages[0].contains("half drag") && stages[0].contains("no drag"));
+    assert!(!stages[1].contains("drag"));
+    let rolling = "rolling = { pp = 0.02, mantle = 0.03, end_plate = 0.01 }";
+    let plain = with(rolling, "contact.rolling = \"none\"");
+    let text = &deck(&plain, Code::Yade, &quick()).expect("is a deck")[0].text;
+    assert!(text.contains("ROLLING = [0, 0, 0]") && text.contains("No rolling resistance"));
+}
+
+#[test]
 fn friction_of_each_wall_stands_at_its_own_place() {
     let files = deck(&rig(BEADS), Code::Liggghts, &quick()).expect("is a deck");
     let names: Vec<&str> = files.iter().map(|f| f.name.as_str()).collect();
@@ -236,6 +292,13 @@ fn what_a_code_does_not_know_is_refused_by_name() {
     let sticky = with("fill.count", "contact.cohesion = \"simplified_jkr\"\nfill.count");
     let shown = refused(&sticky, Code::Lammps);
     assert!(shown.contains("LAMMPS") && shown.contains("cohesion"), "{shown}");
+    let shown = refused(&sticky, Code::Yade);
+    assert!(shown.contains("YADE") && shown.contains("cohesion"), "{shown}");
+    let pulls = with("fill.count", "contact.attractive_tail = true\nfill.count");
+    assert!(refused(&pulls, Code::Yade).contains("attractive_tail"));
+    deck(&pulls, Code::Lammps, &quick()).expect("LAMMPS knows it");
+    let kinetic = with("end_plate = 0.2 }", "end_plate = 0.2, kinetic_ratio = 0.8 }");
+    assert!(refused(&kinetic, Code::Yade).contains("kinetic_ratio"));
     deck(&sticky, Code::Liggghts, &quick()).expect("LIGGGHTS knows it");
     let zhou = with("fill.count", "contact.rolling = \"viscous_capped\"\nfill.count");
     assert!(refused(&zhou, Code::Liggghts).contains("constant_torque"));

@@ -73,6 +73,8 @@ pub(crate) enum OtherCode {
     Liggghts,
     /// LAMMPS with the package GRANULAR.
     Lammps,
+    /// YADE 2023.02.
+    Yade,
 }
 
 #[derive(Debug, Args)]

@@ -11,6 +11,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<()> {
     let code = match args.to {
         OtherCode::Liggghts => Code::Liggghts,
         OtherCode::Lammps => Code::Lammps,
+        OtherCode::Yade => Code::Yade,
     };
     let changes = Changes {
         settings: &args.settings,
@@ -36,10 +37,11 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<()> {
         output::write(&folder, &file.name, &file.text)?;
     }
     let program = match code {
-        Code::Liggghts => "liggghts",
-        Code::Lammps => "lmp",
+        Code::Liggghts => "liggghts -in",
+        Code::Lammps => "lmp -in",
+        Code::Yade => "yade -n -j1 -x",
     };
-    println!("cd {} && {program} -in {}", folder.display(), code.script());
+    println!("cd {} && {program} {}", folder.display(), code.script());
     Ok(())
 }
 
