@@ -57,7 +57,7 @@ pub(crate) fn outcome(
     if !is_pair {
         (names, out) = sort_out(&state.setup.catalogue.effects, &finding, names);
     }
-    let before = fresh(state, &base, &finding.base.theta, &[], round, watch)?;
+    let before = fresh(state, &base, &finding.base.theta, &[], 0, watch)?;
     let mut others = Vec::new();
     let mut after = None;
     if is_pair {
