@@ -40,7 +40,7 @@ fn close(folder: &std::path::Path, table: &str, jobs: usize) -> Result<Outcome, 
     let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
     let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
     let lab = Laboratory::open(folder, jobs, sampling).unwrap();
-    let mut settings = LoopSettings { runs: Some(34), ..LoopSettings::default() };
+    let mut settings = LoopSettings { runs: Some(38), ..LoopSettings::default() };
     settings.attribution.bootstrap = 99;
     settings.attribution.stability_bootstrap = 0;
     CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings }.run(&mut |_| ())
