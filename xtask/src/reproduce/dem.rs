@@ -57,6 +57,9 @@ struct Comparison {
 
 type Key = (i64, i64, i64);
 
+/// Responses and their standard errors by setting.
+type BySetting = BTreeMap<Key, ([f64; 4], [f64; 4])>;
+
 fn key(omega: f64, wall: f64, pp: f64) -> Key {
     let k = |x: f64| (1e3 * x).round() as i64;
     (k(omega), k(wall), k(pp))
@@ -92,11 +95,7 @@ fn write(path: &Path, text: &str) -> anyhow::Result<()> {
 }
 
 /// Responses and their standard errors by setting.
-fn simulated(
-    config: &str,
-    folder: &Path,
-    jobs: usize,
-) -> anyhow::Result<BTreeMap<Key, ([f64; 4], [f64; 4])>> {
+fn simulated(config: &str, folder: &Path, jobs: usize) -> anyhow::Result<BySetting> {
     let file = format!("thesis/plans/{}.toml", config.to_lowercase());
     let manifest = Manifest::freeze(&file, fixture(&file)?, &Freeze::default())?;
     let campaign = Campaign::begin(folder, manifest)?;
@@ -132,11 +131,7 @@ fn simulated(
     Ok(out)
 }
 
-fn compare(
-    name: &str,
-    ours: &BTreeMap<Key, ([f64; 4], [f64; 4])>,
-    edem: &SimulatedTable,
-) -> anyhow::Result<Comparison> {
+fn compare(name: &str, ours: &BySetting, edem: &SimulatedTable) -> anyhow::Result<Comparison> {
     let at = |factor: &str| {
         let k = edem.factors.iter().position(|f| f == factor);
         k.with_context(|| format!("{name} has no column {factor}"))
