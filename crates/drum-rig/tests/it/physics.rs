@@ -36,7 +36,7 @@ fn end_plates_that_turn_lift_the_bed_and_still_ones_hold_it_back() {
     let angle = |ends| {
         let mut rig = small(150);
         rig.drum.ends = ends;
-        rig.run.frames = 15;
+        rig.run.frames = 60;
         finished(&rig, &quick()).1[0].angle_deg
     };
     let (turning, still) = (angle(Ends::Turning), angle(Ends::Still));
