@@ -270,7 +270,14 @@ struct Joint {
     /// Number of independent effects that would raise the best improvement as the catalogue
     /// does, from the median of the draws.
     effects: f64,
+    /// By how much the tail of the draws' improvements is longer than that of such effects: with
+    /// candidates whose models do not contain the base bit by bit a few draws gain enormously, and
+    /// their nominal values would drown what chi-square sees.
+    stretch: f64,
 }
+
+/// Ratio of a draw to its nominal quantile that chance gives.
+const CHANCE: f64 = 1.5;
 
 impl Joint {
     fn new(dof: usize, best_draws: &[f64]) -> Self {
@@ -279,11 +286,20 @@ impl Joint {
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let q = chi_square_p(median, 1);
         let effects = if q < 1.0 { 0.5_f64.ln() / (-q).ln_1p() } else { 1.0 };
-        Self { dof, effects: effects.max(1.0) }
+        let mut joint = Self { dof, effects: effects.max(1.0), stretch: 1.0 };
+        let ratio = |(rank, best): (usize, &f64)| {
+            best / joint.improvement_at((rank + 1) as f64 / (sorted.len() + 1) as f64)
+        };
+        let tail = (sorted.len() / 10).max(1);
+        let longest = sorted.iter().rev().take(tail).enumerate().map(ratio).fold(0.0, f64::max);
+        if longest > CHANCE {
+            joint.stretch = longest;
+        }
+        joint
     }
 
     fn smaller(&self, chi2: f64, best: f64) -> f64 {
-        let q = chi_square_p(best, 1);
+        let q = chi_square_p(best / self.stretch, 1);
         let focused = if q < 1.0 { -(self.effects * (-q).ln_1p()).exp_m1() } else { 1.0 };
         chi_square_p(chi2, self.dof).min(focused)
     }
@@ -293,11 +309,31 @@ impl Joint {
     }
 
     fn improvement_at(&self, p: f64) -> f64 {
-        quantile(1, -((-p).ln_1p() / self.effects).exp_m1())
+        self.stretch * quantile(1, -((-p).ln_1p() / self.effects).exp_m1())
     }
 }
 
 /// Value that chi-square exceeds with probability `p`.
 fn quantile(dof: usize, p: f64) -> f64 {
     ChiSquared::new(dof as f64).map_or(f64::INFINITY, |d| d.inverse_cdf(1.0 - p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_that_gain_enormously_do_not_drown_a_large_chi_square() {
+        // Hundred draws as one effect gives, and five in a hundred of a model that does not nest.
+        let mut draws: Vec<f64> = (1..=95).map(|k| quantile(1, f64::from(k) / 96.0)).collect();
+        let plain = Joint::new(11, &draws);
+        assert!((plain.stretch - 1.0).abs() < 1e-12);
+        draws.extend([60.0, 80.0, 100.0, 120.0, 140.0]);
+        let joint = Joint::new(11, &draws);
+        let own = joint.smaller(49.8, 3.0);
+        let drowning = draws.iter().filter(|b| joint.smaller(11.0, **b) <= own).count();
+        assert_eq!(drowning, 0, "stretch {}", joint.stretch);
+        let critical = joint.improvement_at(1e-4);
+        assert!((joint.smaller(11.0, critical) / 1e-4 - 1.0).abs() < 1e-6);
+    }
 }
