@@ -82,6 +82,7 @@ fn main() -> Result<(), CalibError> {
             nuisances: Vec::new(),
         },
         candidates: candidates.collect(),
+        pair_models: Vec::new(),
         code_covariance: None,
         held_out: None,
         experiments: Vec::new(),

@@ -1,22 +1,22 @@
 //! Fresh runs of the calibrated model and of the winner, and what remains of the error.
 
 use calib::attribution::{Finding, Verdict};
-use calib::{Nuisance, Observations, chi_square_p};
+use calib::{Nuisance, Observation, Observations, chi_square_p};
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
-use rig_schema::Response;
 
 use crate::catalogue::Effect;
+use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::outcome::{
-    Errors, Outcome, Point, ResponseErrors, Side, StrengthOf, at_the_end, sort_out,
-};
+use crate::outcome::{Errors, Outcome, Side, StrengthOf};
+use crate::process::Local;
 use crate::runs::{rig_at, rig_with, sample};
 
-/// Level below which fresh runs contradict the winner.
-const CONTRADICTED: f64 = 1e-3;
+/// Level below which fresh runs contradict the winner, at fitted and held-out speeds together. A right
+/// answer that falls below it by chance is simulated again, so the level costs runs, not answers.
+const CONTRADICTED: f64 = 5e-3;
 
 /// Fillings from one round of fresh runs to the next.
 const ROUND: usize = 1000;
@@ -28,13 +28,13 @@ const CONFIRMED_MEMBERS: usize = 3;
 struct Fresh {
     side: Side,
     /// Prediction and standard deviation at fitted, then held-out observations.
-    points: Vec<(f64, f64)>,
+    points: Values,
     /// The runs, for the models to learn from if they are refuted.
     samples: Vec<Sample>,
 }
 
-/// What fresh runs of one effect have shown: its path, the point, the runs.
-pub(crate) type Learned = (String, Vec<f64>, Vec<Sample>);
+/// What fresh runs of one effect or of two have shown: paths, runs.
+pub(crate) type Learned = (Vec<String>, Vec<Sample>);
 
 /// Fresh runs of what was found; `round` counts how often answers were refuted before.
 pub(crate) fn outcome(
@@ -45,7 +45,7 @@ pub(crate) fn outcome(
     watch: &mut dyn FnMut(&Told),
 ) -> Result<(Outcome, Vec<Learned>), CloseLoopError> {
     let mut learned: Vec<Learned> = Vec::new();
-    let base = state.base_model(&state.theta)?;
+    let base = state.base_model()?;
     let mut names: Vec<String> = match &finding.verdict {
         Verdict::None | Verdict::Unknown => Vec::new(),
         Verdict::Effect(name) => vec![name.clone()],
@@ -53,19 +53,24 @@ pub(crate) fn outcome(
         Verdict::Pairs(pairs) => pairs.first().map(|p| p.to_vec()).unwrap_or_default(),
     };
     let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
-    let mut out = Vec::new();
-    if !is_pair {
-        (names, out) = sort_out(&state.setup.catalogue.effects, &finding, names);
-    }
-    let before = fresh(state, &base, &finding.base.theta, &[], 0, watch)?;
+    let Some(before) = fresh(state, &base, &finding.base.theta, &[], 0, watch)? else {
+        let asked = state.effort.confirm;
+        let first = state.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
+        return Err(CloseLoopError::Base { failed: asked, asked, first });
+    };
     let mut others = Vec::new();
     let mut after = None;
+    // Whether no drum with the effect could be simulated.
+    let mut failed = false;
     if is_pair {
         if let Some(p) = finding.pairs.iter().find(|p| p.names[..] == names[..]) {
             let free = state.setup.free.len();
             let theta = p.fit.theta[..free.min(p.fit.theta.len())].to_vec();
             let with = effects_at(state, &p.names, &p.strengths);
-            after = Some(fresh(state, &base, &theta, &with, round, watch)?);
+            after = fresh(state, &base, &theta, &with, round, watch)?;
+            let samples = after.as_ref().map(|a| a.samples.clone());
+            learned.push((names.clone(), samples.unwrap_or_default()));
+            failed = after.is_none();
         }
     } else {
         let mut tried = Vec::new();
@@ -73,16 +78,24 @@ pub(crate) fn outcome(
             let Some(r) = finding.ranked.iter().find(|r| r.name == *name) else { continue };
             let Some((strength, theta)) = r.fit.theta.split_last() else { continue };
             let with = effects_at(state, std::slice::from_ref(name), &[*strength]);
-            let model = fresh(state, &base, theta, &with, round, watch)?;
-            learned.push((name.clone(), r.fit.theta.clone(), model.samples.clone()));
+            let Some(model) = fresh(state, &base, theta, &with, round, watch)? else {
+                state.shorten(name, Some(*strength));
+                learned.push((vec![name.clone()], Vec::new()));
+                continue;
+            };
+            learned.push((vec![name.clone()], model.samples.clone()));
             tried.push((name.clone(), model));
         }
+        failed = tried.is_empty() && !learned.is_empty();
         // A member that its own fresh runs contradict is out, as long as another stands.
-        let stands = |(_, f): &(String, Fresh)| f.side.errors.p > CONTRADICTED;
+        let stands = |(_, f): &(String, Fresh)| f.side.errors.p_all > CONTRADICTED;
         if tried.iter().any(stands) {
             let refuted: Vec<&String> =
                 tried.iter().filter(|t| !stands(t)).map(|(n, _)| n).collect();
-            names.retain(|n| !refuted.contains(&n));
+            let ran = |n: &String| {
+                tried.iter().any(|(t, _)| t == n) || !learned.iter().any(|(l, _)| l.contains(n))
+            };
+            names.retain(|n| !refuted.contains(&n) && ran(n));
         }
         let best = tried.iter().position(stands).unwrap_or(0);
         for (k, (_, model)) in tried.into_iter().enumerate() {
@@ -93,53 +106,31 @@ pub(crate) fn outcome(
             }
         }
     }
-    let confirmed = after.as_ref().map(|a| a.side.errors.p > CONTRADICTED);
-    let strengths = names
-        .iter()
-        .filter_map(|name| {
-            let effect = state.setup.catalogue.effects.iter().find(|e| e.path == *name)?;
-            let r = finding.ranked.iter().find(|r| r.name == *name)?;
-            Some(StrengthOf {
-                name: name.clone(),
-                meaning: effect.meaning.clone(),
-                null: effect.null,
-                value: r.strength.value,
-                lo: r.strength.lo.unwrap_or(effect.range.0),
-                hi: r.strength.hi.unwrap_or(effect.range.1),
-            })
-        })
-        .collect::<Vec<_>>();
+    let confirmed = match &after {
+        Some(a) => Some(a.side.errors.p_all > CONTRADICTED),
+        None => failed.then_some(false),
+    };
+    let strengths = compare::strengths(&state.setup.catalogue.effects, &finding, &names);
     let with = after.as_ref().unwrap_or(&before);
-    let points = points(state, &before, with);
-    let removed = after.as_ref().and_then(|a| removed(state, &before, a));
+    let (items, fitted) = everything(state);
+    let points = compare::points(&items, fitted, &before.points, &with.points);
+    let removed =
+        after.as_ref().and_then(|a| compare::removed(&items, fitted, &before.points, &a.points));
     let verdict = match (&finding.verdict, confirmed) {
         (Verdict::None, _) => "none",
         (Verdict::Unknown, _) | (_, Some(false)) => "unknown",
-        _ if names.is_empty() => "unknown",
         (Verdict::Pairs(_), _) => "class",
         (Verdict::Effect(_) | Verdict::Class(_), _) if names.len() == 1 => "effect",
         (Verdict::Effect(_) | Verdict::Class(_), _) => "class",
     };
-    let sentence = if names.is_empty() && !out.is_empty() {
-        at_the_end(&out)
-    } else {
-        sentence(&finding, verdict, &strengths, is_pair)
-    };
-    let calibrated = finding
-        .base
-        .parameters
-        .iter()
-        .zip(&finding.base.theta)
-        .zip(&finding.base.sd)
-        .map(|((p, v), sd)| (p.clone(), *v, *sd))
-        .collect();
+    let sentence = sentence(&finding, verdict, &strengths, is_pair);
     let outcome = Outcome {
         case: this.case.rig.name.clone(),
         verdict,
         members: names,
         sentence,
         strengths,
-        calibrated,
+        calibrated: compare::calibrated(&finding),
         before: before.side.clone(),
         after: with.side.clone(),
         others,
@@ -166,7 +157,8 @@ fn effects_at(state: &State<'_>, names: &[String], strengths: &[f64]) -> Vec<(Ef
     names.iter().zip(strengths).filter_map(|(n, s)| Some((find(n)?, *s))).collect()
 }
 
-/// Run a model with fillings that no fit has seen, and compare it with the data.
+/// Run a model with fillings that no fit has seen, and compare it with the data; `None` if none of its
+/// drums could be simulated.
 fn fresh(
     state: &mut State<'_>,
     base: &Emulator,
@@ -174,7 +166,7 @@ fn fresh(
     effects: &[(Effect, f64)],
     round: usize,
     watch: &mut dyn FnMut(&Told),
-) -> Result<Fresh, CloseLoopError> {
+) -> Result<Option<Fresh>, CloseLoopError> {
     let rig = state.setup.full.clone().unwrap_or_else(|| state.setup.rig.clone());
     let mut label = "the calibrated model".to_owned();
     let mut rigs = Vec::new();
@@ -194,30 +186,22 @@ fn fresh(
     let runs: Vec<_> =
         state.runs.all(Stage::Confirm, &rigs, watch)?.into_iter().flatten().collect();
     if runs.is_empty() {
-        let first = state.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
-        return Err(CloseLoopError::Base { failed: rigs.len(), asked: rigs.len(), first });
+        return Ok(None);
     }
     let n = runs.len() as f64;
-    let at: Vec<[(f64, f64); 4]> = (0..base.knots().len())
-        .map(|k| {
-            std::array::from_fn(|r| {
-                let mean = runs.iter().map(|run| run.speeds[k].mean[r]).sum::<f64>() / n;
-                (mean, base.inflation() * base.frames()[k][r][r] / n)
-            })
-        })
-        .collect();
-    let mut all = state.setup.observations.clone();
-    let fitted = all.items.len();
-    if let Some(more) = &state.setup.held_out {
-        all.items.extend(&more.items);
-    }
-    let speeds: Vec<f64> = all.items.iter().map(|o| o.omega_rpm).collect();
+    let mean = |k: usize, r: usize| runs.iter().map(|run| run.speeds[k].mean[r]).sum::<f64>() / n;
+    let shared = vec![base.shift().map(|s| s / n.sqrt()); base.knots().len()];
+    let at = base.frames().iter().enumerate();
+    let at =
+        at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
+    let local = Local { at: at.collect(), shared };
+    let (items, fitted) = everything(state);
+    let speeds: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
     let mut distinct = speeds.clone();
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
-    let predicted = base.spread(&distinct, &at);
-    let place: Vec<usize> = all
-        .items
+    let predicted = base.spread(&distinct, &local);
+    let place: Vec<usize> = items
         .iter()
         .map(|o| 4 * distinct.partition_point(|s| *s < o.omega_rpm) + o.response.index())
         .collect();
@@ -231,22 +215,29 @@ fn fresh(
         measured + predicted.covariance(place[i], place[j])
     };
     let residual: Vec<f64> =
-        all.items.iter().zip(&place).map(|(o, p)| o.mean - predicted.mean[*p]).collect();
+        items.iter().zip(&place).map(|(o, p)| o.mean - predicted.mean[*p]).collect();
     let nuisances = &state.setup.nuisances;
-    let slope = |n: &Nuisance, i: usize| n.slope(all.items[i].response, all.items[i].mean);
+    let slope = |n: &Nuisance, i: usize| n.slope(items[i].response, items[i].mean);
     let offset =
         |i: usize| -> f64 { nuisances.iter().map(|n| slope(n, i) * n.departure(n.mean)).sum() };
     let free = theta.len() + effects.len();
-    let covariance = Mat::from_fn(fitted, fitted, |i, j| {
-        let shared: f64 = nuisances.iter().map(|n| slope(n, i) * slope(n, j) * n.sd * n.sd).sum();
-        noise(i, j) + shared
-    });
-    let fault = calib::CalibError::Covariance { what: "fresh runs", size: fitted };
-    let llt = covariance.llt(Triangle::Lower).map_err(|_| fault)?;
-    let r = Mat::from_fn(fitted, 1, |i, _| residual[i] - offset(i));
-    let solved = llt.solve(&r);
-    let chi2: f64 = (0..fitted).map(|i| r[(i, 0)] * solved[(i, 0)]).sum();
-    let dof = fitted.saturating_sub(free).max(1);
+    // Chi-square of the first `m` observations, and their covariance's inverse on the residual.
+    let chi_square = |m: usize| {
+        let covariance = Mat::from_fn(m, m, |i, j| {
+            let both = nuisances.iter().map(|n| slope(n, i) * slope(n, j) * n.sd * n.sd);
+            noise(i, j) + both.sum::<f64>()
+        });
+        let fault = calib::CalibError::Covariance { what: "fresh runs", size: m };
+        let llt = covariance.llt(Triangle::Lower).map_err(|_| fault)?;
+        let r = Mat::from_fn(m, 1, |i, _| residual[i] - offset(i));
+        let solved = llt.solve(&r);
+        let chi2: f64 = (0..m).map(|i| r[(i, 0)] * solved[(i, 0)]).sum();
+        Ok::<_, CloseLoopError>((chi2, solved))
+    };
+    let (chi2, solved) = chi_square(fitted)?;
+    let degrees = |m: usize| m.saturating_sub(free).max(1);
+    let dof = degrees(fitted);
+    let p_all = chi_square_p(chi_square(items.len())?.0, degrees(items.len()));
     let estimate: Vec<f64> = nuisances
         .iter()
         .map(|n| {
@@ -254,37 +245,19 @@ fn fresh(
             n.sd * n.sd * pull
         })
         .collect();
-    let points: Vec<(f64, f64)> = (0..all.items.len())
+    let points: Values = (0..items.len())
         .map(|i| {
             let moved: f64 = nuisances.iter().zip(&estimate).map(|(n, e)| slope(n, i) * e).sum();
             (predicted.mean[place[i]] + offset(i) + moved, noise(i, i).max(0.0).sqrt())
         })
         .collect();
-    let set = |from: usize, to: usize| {
-        Response::ALL
-            .iter()
-            .filter_map(|r| {
-                let of: Vec<usize> = (from..to).filter(|i| all.items[*i].response == *r).collect();
-                let mean = |f: &dyn Fn(usize) -> f64| {
-                    (of.iter().map(|i| f(*i)).sum::<f64>() / of.len() as f64).sqrt()
-                };
-                let e = |i: usize| all.items[i].mean - points[i].0;
-                (!of.is_empty()).then(|| ResponseErrors {
-                    response: r.column(),
-                    points: of.len(),
-                    rmse: mean(&|i| e(i).powi(2)),
-                    rmse_sd: mean(&|i| (e(i) / points[i].1).powi(2)),
-                    floor: mean(&|i| points[i].1.powi(2)),
-                })
-            })
-            .collect()
-    };
     let errors = Errors {
-        fitted: set(0, fitted),
-        held_out: set(fitted, all.items.len()),
+        fitted: compare::errors(&items, &points, 0..fitted),
+        held_out: compare::errors(&items, &points, fitted..items.len()),
         chi2,
         dof,
         p: chi_square_p(chi2, dof),
+        p_all,
     };
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
@@ -293,44 +266,18 @@ fn fresh(
         .then(|| effects.iter().map(|(e, _)| e.path.clone()).collect::<Vec<_>>().join(" + "));
     let at: Vec<f64> = theta.iter().copied().chain(effects.iter().map(|(_, s)| *s)).collect();
     let samples = runs.iter().map(|run| sample(at.clone(), run)).collect();
-    Ok(Fresh { side: Side { effect, at: named, fillings: runs.len(), errors }, points, samples })
+    let side = Side { effect, at: named, fillings: runs.len(), errors };
+    Ok(Some(Fresh { side, points, samples }))
 }
 
-fn points(state: &State<'_>, before: &Fresh, after: &Fresh) -> Vec<Point> {
-    let fitted = state.setup.observations.items.len();
-    let held = state.setup.held_out.iter().flat_map(|h| &h.items);
-    let items = state.setup.observations.items.iter().chain(held);
-    items
-        .enumerate()
-        .map(|(i, o)| Point {
-            omega_rpm: o.omega_rpm,
-            response: o.response.column(),
-            fitted: i < fitted,
-            measured: o.mean,
-            sd: before.points[i].1,
-            before: before.points[i].0,
-            after: after.points[i].0,
-        })
-        .collect()
-}
-
-/// Part of the mean square error above the noise floor that goes away.
-fn removed(state: &State<'_>, before: &Fresh, after: &Fresh) -> Option<f64> {
-    let fitted = state.setup.observations.items.len();
-    let held = state.setup.held_out.as_ref();
-    let items = match held {
-        Some(h) => h.items.iter().enumerate().map(|(i, o)| (i + fitted, o)).collect::<Vec<_>>(),
-        None => state.setup.observations.items.iter().enumerate().collect(),
-    };
-    let mean = |f: &Fresh| {
-        let each = items.iter().map(|(i, o)| {
-            let (value, sd) = f.points[*i];
-            ((o.mean - value) / sd).powi(2)
-        });
-        each.sum::<f64>() / items.len() as f64
-    };
-    let above = mean(before) - 1.0;
-    (above > 0.0).then(|| ((mean(before) - mean(after).max(1.0)) / above).min(1.0))
+/// What was fitted, then what was kept aside, and the number of the first.
+fn everything(state: &State<'_>) -> (Vec<Observation>, usize) {
+    let mut items = state.setup.observations.items.clone();
+    let fitted = items.len();
+    if let Some(more) = &state.setup.held_out {
+        items.extend(&more.items);
+    }
+    (items, fitted)
 }
 
 fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
@@ -386,11 +333,12 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, refuted: usize) -> Vec<Strin
             "The four responses of a frame swing together with correlation 0.5, since the table gives no covariances.".to_owned(),
         );
     }
-    let inflation = state.base_model(&state.theta).map_or(1.0, |m| m.inflation());
-    all.push(format!(
-        "The measured drum is one filling of many: fillings scatter by {:.1} times the variance that frames show.",
-        inflation
-    ));
+    if let Ok(model) = state.base_model() {
+        let [lin, mid, x, y] = model.shift();
+        all.push(format!(
+            "The measured drum is one filling of many: from one to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
+        ));
+    }
     if state.setup.knots.len() < this.measured.rows.len() {
         all.push(format!(
             "{} of {} speeds were simulated; the others are interpolated by a cubic spline.",

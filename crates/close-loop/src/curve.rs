@@ -38,6 +38,30 @@ pub struct Curve {
     pub change: Change,
 }
 
+impl Curve {
+    fn split<'t>(&self, theta: &'t [f64]) -> Result<(f64, &'t [f64]), CalibError> {
+        let expected = self.base.axes().len() + 1;
+        match theta.split_last() {
+            Some((strength, base)) if theta.len() == expected => Ok((*strength, base)),
+            _ => Err(CalibError::Parameters { expected, given: theta.len() }),
+        }
+    }
+
+    /// Change the means at knot `k`.
+    fn shift(&self, k: usize, strength: f64, four: &mut [f64; 4]) {
+        match &self.change {
+            Change::Shift(r) => four[*r] += strength - self.null,
+            Change::Divide => four[2..].iter_mut().for_each(|v| *v /= strength / self.null),
+            Change::Filmed { unit, first, second, .. } => {
+                let v = (strength - self.null) / unit;
+                for (r, value) in four.iter_mut().enumerate() {
+                    *value += v * first[k][r] + v * v * second[k][r];
+                }
+            }
+        }
+    }
+}
+
 impl Simulator for Curve {
     fn parameters(&self) -> Vec<String> {
         let mut all = self.base.parameters();
@@ -50,28 +74,26 @@ impl Simulator for Curve {
     }
 
     fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
-        let expected = self.base.axes().len() + 1;
-        let Some((strength, base)) = theta.split_last().filter(|_| theta.len() == expected) else {
-            return Err(CalibError::Parameters { expected, given: theta.len() });
-        };
-        let mut at = self.base.moments(base);
-        for (k, four) in at.iter_mut().enumerate() {
-            match &self.change {
-                Change::Shift(r) => four[*r].0 += strength - self.null,
-                Change::Divide => {
-                    for value in &mut four[2..] {
-                        value.0 /= strength / self.null;
-                    }
-                }
-                Change::Filmed { unit, first, second, variance } => {
-                    let v = (strength - self.null) / unit;
-                    for (r, value) in four.iter_mut().enumerate() {
-                        value.0 += v * first[k][r] + v * v * second[k][r];
-                        value.1 += v * v * variance[k][r];
-                    }
+        let (strength, base) = self.split(theta)?;
+        let mut local = self.base.moments(base);
+        for (k, four) in local.at.iter_mut().enumerate() {
+            self.shift(k, strength, &mut four.0);
+            if let Change::Filmed { unit, variance, .. } = &self.change {
+                let v = (strength - self.null) / unit;
+                for (r, own) in variance[k].iter().enumerate() {
+                    four.1[r][r] += v * v * own;
                 }
             }
         }
-        Ok(self.base.spread(speeds_rpm, &at))
+        Ok(self.base.spread(speeds_rpm, &local))
+    }
+
+    fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
+        let (strength, base) = self.split(theta)?;
+        let mut at = self.base.at_knots(base);
+        for (k, four) in at.iter_mut().enumerate() {
+            self.shift(k, strength, four);
+        }
+        Ok(self.base.between(speeds_rpm, &at))
     }
 }

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use calib::attribution::{Attribution, Candidate, Finding, Layer, Settings, Verdict};
-use calib::{CalibError, Predicted, Problem, Simulator};
+use calib::attribution::{Attribution, Candidate, Finding, Layer, PairModel, Settings, Verdict};
+use calib::{CalibError, Problem};
 use campaign::Laboratory;
 use rig_schema::{Case, MeasuredTable, Rig};
 
 use crate::catalogue::Effect;
-use crate::challenge::{CHALLENGED, CHALLENGES};
+use crate::coded::{Coded, Model, decode};
 use crate::confirm;
 use crate::curve::{Change, Curve};
 use crate::emulator::{Axis, Emulator, Sample, Shift};
@@ -68,25 +68,22 @@ pub struct CloseLoop<'a> {
     pub settings: &'a LoopSettings,
 }
 
-/// Half the side of a box about a best point, coded units.
-const NEAR: f64 = 0.7;
-
 /// How often an answer that fresh runs refute is given up for another.
 const RETRIES: usize = 3;
 
 /// Spacing of the points at which runs are made, coded units.
-const GRID: f64 = 0.5;
+pub(crate) const GRID: f64 = 0.5;
 
 /// Everything known so far.
 pub(crate) struct State<'a> {
     pub(crate) setup: Setup,
     pub(crate) effort: Effort,
     pub(crate) runs: Runs<'a>,
-    base: Vec<Sample>,
+    pub(crate) base: Vec<Sample>,
     pub(crate) effects: ByEffect,
+    /// Runs of two effects together.
+    pub(crate) pairs: BTreeMap<[String; 2], Vec<Sample>>,
     curves: BTreeMap<String, Change>,
-    /// Point about which each effect is modelled: free parameters, strength.
-    pub(crate) centres: BTreeMap<String, Vec<f64>>,
     pub(crate) theta: Vec<f64>,
     bias: Option<Vec<Shift>>,
     modes: Vec<Vec<[f64; 4]>>,
@@ -122,34 +119,35 @@ impl CloseLoop<'_> {
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
         let (mut state, mut finding) = self.stages(watch)?;
-        let (mut round, mut challenges) = (0, 0);
+        let mut round = 0;
         loop {
-            let no_single = matches!(finding.verdict, Verdict::Unknown | Verdict::Pairs(_));
-            if no_single && challenges < CHALLENGES && self.within(&state, CHALLENGED) {
-                challenges += 1;
-                if state.challenge(&finding, challenges, watch)? {
-                    finding = state.attribute(&self.settings.attribution)?;
-                    continue;
-                }
-            }
             let (mut outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
             // Fresh runs that refute an answer are the best that its model can learn from.
-            let within = self.within(&state, 2);
+            let spare = self.spare(&state, 2);
             let learns = learned.iter().any(|l| state.can_learn(l));
-            if outcome.confirmed != Some(false) || round == RETRIES || !learns || !within {
+            if outcome.confirmed != Some(false) || round == RETRIES || !learns || spare == 0 {
                 outcome.refuted = round;
                 return Ok(outcome);
             }
             state.learn(learned);
             round += 1;
-            finding = state.attribute(&self.settings.attribution)?;
+            let settings = &self.settings.attribution;
+            state.refine(spare, settings, watch)?;
+            finding = state.attribute(settings)?;
+            if matches!(finding.verdict, Verdict::Pairs(_) | Verdict::Unknown) {
+                state.refine_pairs(self.spare(&state, 2), settings, watch)?;
+                finding = state.attribute(settings)?;
+            }
         }
     }
 
-    /// Whether the limit allows so many models to be run anew.
-    fn within(&self, state: &State<'_>, models: usize) -> bool {
-        let more = models * state.effort.confirm;
-        self.settings.runs.is_none_or(|most| state.runs.made + more <= most)
+    /// Runs that can be spent on refining if so many models are to be confirmed after it.
+    fn spare(&self, state: &State<'_>, models: usize) -> usize {
+        let kept = state.runs.made + models * state.effort.confirm;
+        match self.settings.runs {
+            Some(most) => most.saturating_sub(kept),
+            None => state.effort.refine * state.effort.short_list,
+        }
     }
 
     /// Everything but the fresh runs: for studies of false alarms and of power.
@@ -170,8 +168,8 @@ impl CloseLoop<'_> {
             runs: Runs::new(self.lab, seed),
             base: Vec::new(),
             effects: ByEffect::new(),
+            pairs: BTreeMap::new(),
             curves: BTreeMap::new(),
-            centres: BTreeMap::new(),
             theta: Vec::new(),
             bias: None,
             modes: Vec::new(),
@@ -187,8 +185,16 @@ impl CloseLoop<'_> {
         let finding = if first.gate.passes && first.gate.p_combined > 0.05 {
             state.attribute(&self.settings.attribution)?
         } else {
-            state.refine(&first, watch)?;
-            state.attribute(&self.settings.attribution)?
+            let spare = self.spare(&state, 4);
+            state.refine(spare, &quick, watch)?;
+            let refined = state.attribute(&self.settings.attribution)?;
+            let spare = self.spare(&state, 3);
+            if matches!(refined.verdict, Verdict::Pairs(_) | Verdict::Unknown) && spare > 0 {
+                state.refine_pairs(spare, &quick, watch)?;
+                state.attribute(&self.settings.attribution)?
+            } else {
+                refined
+            }
         };
         Ok((state, finding))
     }
@@ -217,37 +223,30 @@ impl State<'_> {
             let first = self.runs.failed.first().map_or_else(String::new, |f| f.1.clone());
             return Err(CloseLoopError::Base { failed: asked - self.base.len(), asked, first });
         }
-        let middle: Vec<f64> = (0..axes.len())
-            .map(|k| {
-                let s = axes[k].scale;
-                s.back(0.5 * (s.forth(low[k]) + s.forth(high[k])))
-            })
-            .collect();
-        self.theta = self.best(&middle)?;
+        self.theta = self.best()?;
         for round in 0..2 {
             if self.setup.full.is_some() {
                 self.measure_bias(round, watch)?;
-                self.theta = self.best(&self.theta.clone())?;
+                self.theta = self.best()?;
             }
             let (low, high) = self.around(&self.snap(&self.theta), 1.0);
             let seed = self.runs.filling(Stage::Zoom, (usize::MAX >> 8) - round);
             let points = fill_box(&axes, &low, &high, self.effort.zoom, seed);
             self.base_runs(Stage::Zoom, &points, round * self.effort.zoom, watch)?;
-            self.theta = self.best(&self.theta.clone())?;
-            self.theta = self.best(&self.theta.clone())?;
+            self.theta = self.best()?;
         }
         if self.setup.full.is_some() {
             self.measure_bias(2, watch)?;
         }
         let points = vec![self.snap(&self.theta); self.effort.replicates];
         self.base_runs(Stage::Replicates, &points, 0, watch)?;
-        self.theta = self.best(&self.theta.clone())?;
+        self.theta = self.best()?;
         Ok(())
     }
 
     /// The nearest point of a grid of half units: runs are made there, so that loops on the same
-    /// rig share them. Models stand about the points themselves.
-    fn snap(&self, theta: &[f64]) -> Vec<f64> {
+    /// rig share them.
+    pub(crate) fn snap(&self, theta: &[f64]) -> Vec<f64> {
         let each = self.setup.axes.iter().zip(&self.setup.free).zip(theta);
         each.map(|((a, f), x)| {
             let step = GRID * a.unit;
@@ -291,14 +290,21 @@ impl State<'_> {
         Ok(())
     }
 
-    /// The base model about a point.
-    pub(crate) fn base_model(&self, centre: &[f64]) -> Result<Emulator, CalibError> {
+    /// The middle of the free parameters' ranges, from which coordinates count.
+    pub(crate) fn middle(&self) -> Vec<f64> {
+        let each = self.setup.axes.iter().zip(&self.setup.free);
+        each.map(|(a, f)| a.scale.back(0.5 * (a.scale.forth(f.range.0) + a.scale.forth(f.range.1))))
+            .collect()
+    }
+
+    /// The base model.
+    pub(crate) fn base_model(&self) -> Result<Emulator, CalibError> {
         let knots = self.setup.knots.clone();
-        let model = Emulator::fit(self.setup.axes.clone(), centre.to_vec(), knots, &self.base)?;
+        let model = Emulator::fit(self.setup.axes.clone(), self.middle(), knots, &self.base)?;
         Ok(self.dress(model))
     }
 
-    fn dress(&self, model: Emulator) -> Emulator {
+    pub(crate) fn dress(&self, model: Emulator) -> Emulator {
         let model = model.with_modes(self.modes.clone());
         match &self.bias {
             Some(bias) => model.with_bias(bias.clone()),
@@ -315,9 +321,9 @@ impl State<'_> {
         }
     }
 
-    /// Best free parameters by the model about a point.
-    fn best(&self, centre: &[f64]) -> Result<Vec<f64>, CloseLoopError> {
-        let base = self.base_model(centre)?;
+    /// Best free parameters by the base model.
+    fn best(&self) -> Result<Vec<f64>, CloseLoopError> {
+        let base = self.base_model()?;
         let solved = self.problem(&base).solve(0, 0)?;
         Ok(solved.estimates.iter().map(|e| e.value).collect())
     }
@@ -343,10 +349,12 @@ impl State<'_> {
             return Err(CloseLoopError::Base { failed: each, asked: each, first });
         }
         self.bias = None;
-        let model = self.base_model(&self.theta)?;
+        let model = self.base_model()?;
         let stand_in = model.moments(&self.theta);
         let n = runs.len() as f64;
+        let shift = model.shift();
         let bias = stand_in
+            .at
             .iter()
             .enumerate()
             .map(|(k, four)| {
@@ -356,13 +364,16 @@ impl State<'_> {
                     for r in 0..4 {
                         mean[r] += run.speeds[k].mean[r] / n;
                         for (to, of) in covariance[r].iter_mut().zip(run.speeds[k].covariance[r]) {
-                            *to += model.inflation() * of / (n * n);
+                            *to += of / (n * n);
                         }
                     }
                 }
                 for r in 0..4 {
-                    mean[r] -= four[r].0;
-                    covariance[r][r] += four[r].1;
+                    mean[r] -= four.0[r];
+                    covariance[r][r] += shift[r].powi(2) / n + stand_in.shared[k][r].powi(2);
+                    for (to, of) in covariance[r].iter_mut().zip(four.1[r]) {
+                        *to += of;
+                    }
                 }
                 (mean, covariance)
             })
@@ -463,7 +474,7 @@ impl State<'_> {
             at.push(s);
             at
         };
-        let model = self.effect_model(effect, &at(mean), samples)?;
+        let model = self.effect_model(&self.base_model()?, effect, samples)?;
         let (up, down) = (model.at_knots(&at(mean + sd)), model.at_knots(&at(mean - sd)));
         let half = |(u, d): (&[f64; 4], &[f64; 4])| std::array::from_fn(|r| 0.5 * (u[r] - d[r]));
         Ok(Some(up.iter().zip(&down).map(half).collect()))
@@ -535,7 +546,7 @@ impl State<'_> {
         Ok(Some(Change::Filmed { unit, first, second, variance }))
     }
 
-    fn effect_axes(&self, effect: &Effect) -> Vec<Axis> {
+    pub(crate) fn effect_axes(&self, effect: &Effect) -> Vec<Axis> {
         let mut axes = self.setup.axes.clone();
         let t = |x: f64| effect.scale.forth(x);
         let unit = (t(effect.probes[1]) - t(effect.null)).abs().max(f64::MIN_POSITIVE);
@@ -543,10 +554,10 @@ impl State<'_> {
         axes
     }
 
-    fn effect_model(
+    pub(crate) fn effect_model(
         &self,
+        base: &Emulator,
         effect: &Effect,
-        centre: &[f64],
         samples: &[Sample],
     ) -> Result<Emulator, CalibError> {
         let mut all: Vec<Sample> = self
@@ -559,30 +570,47 @@ impl State<'_> {
             })
             .collect();
         all.extend_from_slice(samples);
+        let mut origin = self.middle();
+        origin.push(effect.null);
         let knots = self.setup.knots.clone();
-        Ok(self.dress(Emulator::fit(self.effect_axes(effect), centre.to_vec(), knots, &all)?))
+        let axes = self.effect_axes(effect);
+        let shift = Some(base.shift());
+        Ok(self.dress(Emulator::with_shifts(axes, origin, knots, &all, shift)?))
     }
 
-    /// Ask which effect the data call for.
-    fn attribute(&self, settings: &Settings) -> Result<Finding, CloseLoopError> {
-        let base = self.base_model(&self.theta)?;
-        let mut models: Vec<(&Effect, Coded)> = Vec::new();
+    /// Every effect of the catalogue whose model can be made.
+    pub(crate) fn models(&self, base: &Emulator) -> Result<Vec<(&Effect, Coded)>, CalibError> {
+        let mut models = Vec::new();
         for effect in &self.setup.catalogue.effects {
-            let model: Box<dyn Simulator> = if let Some(change) = self.curves.get(&effect.path) {
-                Box::new(Curve {
+            let model = if let Some(change) = self.curves.get(&effect.path) {
+                Model::Curve(Curve {
                     base: base.clone(),
                     name: effect.path.clone(),
                     null: effect.null,
                     change: change.clone(),
                 })
             } else if let Some(samples) = self.effects.get(&effect.path) {
-                let centre = self.centre(effect);
-                Box::new(self.effect_model(effect, &centre, samples)?)
+                Model::Runs(self.effect_model(base, effect, samples)?)
             } else {
                 continue;
             };
-            models.push((effect, Coded::new(effect, model)));
+            models.push((effect, Coded::new(&[effect], model)));
         }
+        Ok(models)
+    }
+
+    /// The question which effect the data call for.
+    pub(crate) fn question<'m>(
+        &self,
+        base: &'m Emulator,
+        models: &'m [(&Effect, Coded)],
+        pairs: &'m [([String; 2], Coded)],
+        settings: &Settings,
+    ) -> Attribution<'m> {
+        let pair_models = pairs
+            .iter()
+            .map(|(names, model)| PairModel { names: names.clone(), simulator: model })
+            .collect();
         let candidates = models
             .iter()
             .map(|(effect, model)| Candidate {
@@ -596,166 +624,24 @@ impl State<'_> {
                 meaning: effect.meaning.clone(),
             })
             .collect();
-        let attribution = Attribution {
-            base: self.problem(&base),
+        Attribution {
+            base: self.problem(base),
             candidates,
+            pair_models,
             code_covariance: None,
             held_out: self.setup.held_out.clone(),
             experiments: Vec::new(),
             settings: settings.clone(),
-        };
-        let mut finding = attribution.attribute()?;
+        }
+    }
+
+    /// Ask which effect the data call for.
+    fn attribute(&self, settings: &Settings) -> Result<Finding, CloseLoopError> {
+        let base = self.base_model()?;
+        let models = self.models(&base)?;
+        let pairs = self.pair_models(&base)?;
+        let mut finding = self.question(&base, &models, &pairs, settings).attribute()?;
         decode(&mut finding, &models);
         Ok(finding)
-    }
-
-    /// Point about which an effect is modelled.
-    fn centre(&self, effect: &Effect) -> Vec<f64> {
-        self.centres.get(&effect.path).cloned().unwrap_or_else(|| {
-            let mut at = self.theta.clone();
-            let two_sided = (effect.probes[0] < effect.null) != (effect.probes[1] < effect.null);
-            at.push(if two_sided { effect.null } else { effect.probes[0] });
-            at
-        })
-    }
-
-    /// Simulate about the best points of the most promising effects.
-    fn refine(
-        &mut self,
-        first: &Finding,
-        watch: &mut dyn FnMut(&Told),
-    ) -> Result<(), CloseLoopError> {
-        let effects = self.setup.catalogue.effects.clone();
-        let best = first.ranked.iter().map(|r| r.improvement).fold(0.0, f64::max);
-        let promising = first
-            .ranked
-            .iter()
-            .filter(|r| r.improvement > best - 40.0 && r.improvement > 0.3 * best);
-        let mut rigs = Vec::new();
-        let mut places = Vec::new();
-        let mut listed = 0;
-        for r in promising {
-            let Some(effect) = effects.iter().find(|e| e.path == r.name) else { continue };
-            if !is_simulated(effect) || listed >= self.effort.short_list {
-                continue;
-            }
-            listed += 1;
-            let centre = r.fit.theta.clone();
-            let Some((strength, theta)) = centre.split_last() else { continue };
-            let axes = self.effect_axes(effect);
-            let theta = self.snap(theta);
-            let (mut low, mut high) = self.around(&theta, NEAR);
-            let axis = &axes[axes.len() - 1];
-            let origin = axis.scale.forth(effect.null);
-            let v = (axis.scale.forth(*strength) - origin) / axis.unit;
-            let t = origin + (v / GRID).round() * GRID * axis.unit;
-            let beside = |sign: f64| {
-                axis.scale.back(t + sign * NEAR * axis.unit).clamp(effect.range.0, effect.range.1)
-            };
-            low.push(beside(-1.0));
-            high.push(beside(1.0));
-            let seed = self.runs.filling(Stage::Refine, (usize::MAX >> 8) - listed);
-            let around = self.effort.refine.saturating_sub(2);
-            let mut middle = theta;
-            middle.push(beside(0.0));
-            let mut points = vec![middle; self.effort.refine - around];
-            points.extend(fill_box(&axes, &low, &high, around, seed));
-            for (k, point) in points.into_iter().enumerate() {
-                let filling = self.runs.filling(Stage::Refine, k);
-                let Some((s, theta)) = point.split_last() else { continue };
-                let rig =
-                    rig_with(&self.setup.rig, &self.setup.axes, theta, (effect, *s), filling)?;
-                rigs.push((format!("{} = {s:.4}", effect.path), rig));
-                places.push((effect.path.clone(), point));
-            }
-            self.centres.insert(effect.path.clone(), centre);
-        }
-        let runs = self.runs.all(Stage::Refine, &rigs, watch)?;
-        for ((path, at), run) in places.into_iter().zip(&runs) {
-            if let Some(run) = run {
-                self.effects.entry(path).or_default().push(sample(at, run));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// A simulator whose last parameter is a coordinate: 0 where the effect is absent, and about
-/// linear in the responses.
-struct Coded {
-    inner: Box<dyn Simulator>,
-    scale: Scale,
-    null: f64,
-    unit: f64,
-}
-
-impl Coded {
-    fn new(effect: &Effect, inner: Box<dyn Simulator>) -> Self {
-        let unit = effect.scale.forth(effect.probes[1]) - effect.scale.forth(effect.null);
-        let unit = if unit.abs() > 0.0 { unit } else { 1.0 };
-        Self { inner, scale: effect.scale, null: effect.null, unit }
-    }
-
-    fn strength(&self, v: f64) -> f64 {
-        if v == 0.0 {
-            return self.null;
-        }
-        self.scale.back(self.scale.forth(self.null) + v * self.unit)
-    }
-
-    fn range(&self, (low, high): (f64, f64)) -> (f64, f64) {
-        let code = |s: f64| (self.scale.forth(s) - self.scale.forth(self.null)) / self.unit;
-        let (a, b) = (code(low), code(high));
-        (a.min(b), a.max(b))
-    }
-}
-
-impl Simulator for Coded {
-    fn parameters(&self) -> Vec<String> {
-        self.inner.parameters()
-    }
-
-    fn speed_range_rpm(&self) -> (f64, f64) {
-        self.inner.speed_range_rpm()
-    }
-
-    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
-        let mut at = theta.to_vec();
-        if let Some(v) = at.last_mut() {
-            *v = self.strength(*v);
-        }
-        self.inner.predict(&at, speeds_rpm)
-    }
-}
-
-/// Strengths of a finding from coordinates to values.
-fn decode(finding: &mut Finding, models: &[(&Effect, Coded)]) {
-    let model = |name: &str| models.iter().find(|(e, _)| e.path == name).map(|(_, m)| m);
-    for r in &mut finding.ranked {
-        let Some(m) = model(&r.name) else { continue };
-        let turned = m.unit < 0.0;
-        r.strength.value = m.strength(r.strength.value);
-        let ends = [r.strength.lo, r.strength.hi].map(|e| e.map(|v| m.strength(v)));
-        [r.strength.lo, r.strength.hi] = if turned { [ends[1], ends[0]] } else { ends };
-        if let Some(v) = r.fit.theta.last_mut() {
-            *v = m.strength(*v);
-        }
-        // A curvature in another coordinate is no standard deviation.
-        if let Some(sd) = r.fit.sd.last_mut() {
-            *sd = None;
-        }
-    }
-    for p in &mut finding.pairs {
-        for (name, s) in p.names.iter().zip(&mut p.strengths) {
-            if let Some(m) = model(name) {
-                *s = m.strength(*s);
-            }
-        }
-    }
-    for d in &mut finding.detectable {
-        if let Some(m) = model(&d.name) {
-            d.towards = m.strength(d.towards);
-            d.strength = d.strength.map(|s| m.strength(s));
-        }
     }
 }

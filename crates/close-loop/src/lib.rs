@@ -10,14 +10,18 @@
 pub use {calib, campaign, rig_schema};
 
 mod catalogue;
-mod challenge;
+mod coded;
+mod compare;
 mod confirm;
 mod curve;
 mod driver;
 mod emulator;
 mod error;
 mod outcome;
+mod pairs;
 mod plan;
+mod process;
+mod refine;
 mod runs;
 mod scale;
 mod speeds;

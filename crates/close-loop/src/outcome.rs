@@ -1,9 +1,8 @@
 //! What a closed loop says: plain numbers.
 
-use calib::attribution::{Finding, Layer};
+use calib::attribution::Finding;
 use serde::Serialize;
 
-use crate::catalogue::Effect;
 use crate::plan::Effort;
 
 /// A response at a speed: measured, and both models by fresh runs.
@@ -53,6 +52,8 @@ pub struct Errors {
     pub dof: usize,
     /// Its probability.
     pub p: f64,
+    /// Probability of chi-square at fitted and held-out speeds together.
+    pub p_all: f64,
 }
 
 /// One confirmed model.
@@ -133,32 +134,4 @@ pub struct Outcome {
     pub left_out: Vec<(String, String)>,
     /// What was assumed, in sentences.
     pub assumed: Vec<String>,
-}
-
-/// Sort out members of an answer that stand at the end of their range though the range is what a
-/// photograph would show: errors of reading and a turned camera. What stands there would go on
-/// beyond, so it stands for something else.
-pub(crate) fn sort_out(
-    effects: &[Effect],
-    finding: &Finding,
-    names: Vec<String>,
-) -> (Vec<String>, Vec<String>) {
-    let at_end = |name: &String| {
-        let effect = effects.iter().find(|e| e.path == *name);
-        let ranked = finding.ranked.iter().find(|r| r.name == *name);
-        let (Some(e), Some(r)) = (effect, ranked) else { return false };
-        let near = 1e-3 * (e.range.1 - e.range.0);
-        let value = r.strength.value;
-        matches!(e.layer, Layer::Camera | Layer::Measurement)
-            && (value - e.range.0 <= near || e.range.1 - value <= near)
-    };
-    names.into_iter().partition(|n| !at_end(n))
-}
-
-/// What is said where only such members are left.
-pub(crate) fn at_the_end(out: &[String]) -> String {
-    format!(
-        "Something is missing that is not in the catalogue: {} comes closest, but only at the end of its range, where photographs would show it.",
-        out.join(", ")
-    )
 }

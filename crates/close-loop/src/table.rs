@@ -10,10 +10,9 @@ use calib::{CalibError, Observations, Predicted, Problem, Simulator, Study, Surr
 use rig_schema::{Case, Response};
 
 use crate::catalogue::{Catalogue, Effect};
+use crate::compare::{self, Values};
 use crate::error::CloseLoopError;
-use crate::outcome::{
-    Errors, Outcome, Point, ResponseErrors, Side, StrengthOf, at_the_end, sort_out,
-};
+use crate::outcome::{Errors, Outcome, Side};
 use crate::plan::Effort;
 
 /// A surrogate read with an error; the parameters are the surrogate's and the strength.
@@ -132,6 +131,7 @@ pub fn close_with_table(
     let attribution = Attribution {
         base: study.problem(),
         candidates,
+        pair_models: Vec::new(),
         code_covariance: None,
         held_out: held_out.clone(),
         experiments: Vec::new(),
@@ -143,10 +143,6 @@ pub fn close_with_table(
         Verdict::Class(names) => names.clone(),
         Verdict::Pairs(pairs) => pairs.first().map(|p| p.to_vec()).unwrap_or_default(),
         Verdict::None | Verdict::Unknown => Vec::new(),
-    };
-    let (members, out) = match &finding.verdict {
-        Verdict::Pairs(_) => (members, Vec::new()),
-        _ => sort_out(&reading, &finding, members),
     };
     let base = Table { study, held_out: held_out.as_ref() };
     let before = base.side(&study.surrogate, None, &finding.base.theta)?;
@@ -161,39 +157,14 @@ pub fn close_with_table(
         }
         _ => None,
     };
-    let (verdict, sentence) = if members.is_empty() && !out.is_empty() {
-        ("unknown", at_the_end(&out))
-    } else {
-        words(&finding, &members)
-    };
-    let strengths = members
-        .iter()
-        .filter_map(|name| {
-            let r = finding.ranked.iter().find(|r| r.name == *name)?;
-            let e = reading.iter().find(|e| e.path == *name)?;
-            Some(StrengthOf {
-                name: name.clone(),
-                meaning: e.meaning.clone(),
-                null: e.null,
-                value: r.strength.value,
-                lo: r.strength.lo.unwrap_or(e.range.0),
-                hi: r.strength.hi.unwrap_or(e.range.1),
-            })
-        })
-        .collect();
+    let (verdict, sentence) = words(&finding, &members);
+    let strengths = compare::strengths(&reading, &finding, &members);
     let (side, values) = before;
+    let (items, fitted) = base.everything();
     let (last, last_values) = match &after {
         Some((s, v)) => (s.clone(), v),
         None => (side.clone(), &values),
     };
-    let calibrated = finding
-        .base
-        .parameters
-        .iter()
-        .zip(&finding.base.theta)
-        .zip(&finding.base.sd)
-        .map(|((p, v), sd)| (p.clone(), *v, *sd))
-        .collect();
     let assumed = std::iter::once(
         "The simulator is a table of given responses; only effects of reading can be named."
             .to_owned(),
@@ -210,14 +181,16 @@ pub fn close_with_table(
         members,
         sentence,
         strengths,
-        calibrated,
-        removed: after.is_some().then(|| base.removed(&values, last_values)).flatten(),
+        calibrated: compare::calibrated(&finding),
+        removed: after
+            .as_ref()
+            .and_then(|_| compare::removed(&items, fitted, &values, last_values)),
         before: side,
         after: last,
         others: Vec::new(),
         confirmed: None,
         refuted: 0,
-        points: base.points(&values, last_values),
+        points: compare::points(&items, fitted, &values, last_values),
         speeds_rpm: Vec::new(),
         inflation: 1.0,
         effort: Effort::nothing(),
@@ -259,13 +232,13 @@ struct Table<'a> {
     held_out: Option<&'a Observations>,
 }
 
-/// Prediction, nuisances at their estimates, and standard deviation of each observation.
-type Values = Vec<(f64, f64)>;
-
 impl Table<'_> {
-    fn items(&self) -> impl Iterator<Item = &calib::Observation> {
-        let held = self.held_out.into_iter().flat_map(|h| &h.items);
-        self.study.observations.items.iter().chain(held)
+    /// What was fitted, then what was kept aside, and the number of the first.
+    fn everything(&self) -> (Vec<calib::Observation>, usize) {
+        let mut items = self.study.observations.items.clone();
+        let fitted = items.len();
+        items.extend(self.held_out.into_iter().flat_map(|h| &h.items));
+        (items, fitted)
     }
 
     /// Errors of a model at fitted and held-out speeds.
@@ -315,65 +288,25 @@ impl Table<'_> {
                 values.push((predicted.mean[at] + shift[o.response.index()], variance.sqrt()));
             }
         }
-        let count = self.study.observations.items.len();
-        let items: Vec<_> = self.items().collect();
-        let set = |from: usize, to: usize| {
-            let errors = Response::ALL.iter().filter_map(|r| {
-                let of: Vec<usize> = (from..to).filter(|i| items[*i].response == *r).collect();
-                let mean = |f: &dyn Fn(usize) -> f64| {
-                    (of.iter().map(|i| f(*i)).sum::<f64>() / of.len() as f64).sqrt()
-                };
-                let e = |i: usize| items[i].mean - values[i].0;
-                (!of.is_empty()).then(|| ResponseErrors {
-                    response: r.column(),
-                    points: of.len(),
-                    rmse: mean(&|i| e(i).powi(2)),
-                    rmse_sd: mean(&|i| (e(i) / values[i].1).powi(2)),
-                    floor: mean(&|i| values[i].1.powi(2)),
-                })
-            });
-            errors.collect::<Vec<_>>()
-        };
+        let (items, count) = self.everything();
         let dof = count.saturating_sub(theta.len()).max(1);
         let errors = Errors {
-            fitted: set(0, count),
-            held_out: set(count, items.len()),
+            fitted: compare::errors(&items, &values, 0..count),
+            held_out: compare::errors(&items, &values, count..items.len()),
             chi2,
             dof,
             p: calib::chi_square_p(chi2, dof),
+            p_all: {
+                let n = items.len() - count;
+                let held: f64 = values[count..]
+                    .iter()
+                    .zip(&items[count..])
+                    .map(|((value, sd), o)| ((o.mean - value) / sd).powi(2))
+                    .sum();
+                calib::chi_square_p(chi2 + held, dof + n)
+            },
         };
         let at = free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
         Ok((Side { effect: effect.cloned(), at, fillings: 0, errors }, values))
-    }
-
-    fn points(&self, before: &Values, after: &Values) -> Vec<Point> {
-        let fitted = self.study.observations.items.len();
-        self.items()
-            .enumerate()
-            .map(|(i, o)| Point {
-                omega_rpm: o.omega_rpm,
-                response: o.response.column(),
-                fitted: i < fitted,
-                measured: o.mean,
-                sd: before[i].1,
-                before: before[i].0,
-                after: after[i].0,
-            })
-            .collect()
-    }
-
-    fn removed(&self, before: &Values, after: &Values) -> Option<f64> {
-        let from = if self.held_out.is_some() { self.study.observations.items.len() } else { 0 };
-        let mean = |v: &Values| {
-            let each: Vec<f64> = self
-                .items()
-                .zip(v)
-                .skip(from)
-                .map(|(o, (value, sd))| ((o.mean - value) / sd).powi(2))
-                .collect();
-            each.iter().sum::<f64>() / each.len() as f64
-        };
-        let above = mean(before) - 1.0;
-        (above > 0.0).then(|| ((mean(before) - mean(after).max(1.0)) / above).min(1.0))
     }
 }

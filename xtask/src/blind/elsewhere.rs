@@ -8,16 +8,6 @@ use close_loop::campaign::export::{Code, Schedule, deck, dump_name, positions};
 use close_loop::campaign::{Footage, Resolution, Run};
 use close_loop::rig_schema::Rig;
 
-/// The program, or `None` where it is not installed.
-pub(crate) fn liggghts() -> Option<std::path::PathBuf> {
-    let named = std::env::var_os("TUMBLE_LIGGGHTS").map(std::path::PathBuf::from);
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    named
-        .into_iter()
-        .chain(std::env::split_paths(&path).map(|folder| folder.join("liggghts")))
-        .find(|p| p.is_file())
-}
-
 /// Let LIGGGHTS run a rig in `folder` and look at it as at every drum. What is there already is not
 /// run again.
 pub(crate) fn run(

@@ -9,6 +9,7 @@ use close_loop::rig_schema::Rig;
 use super::drums::{self, DOSES};
 use super::elsewhere;
 use super::sealed::{Truth, seal};
+use crate::peers::code::locate;
 
 /// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number, `dt`
 /// the time step, s (0.2 ms is an eighth of the Rayleigh time; 0.4 ms moves cohesive beds).
@@ -117,7 +118,7 @@ pub(crate) fn run(folder: &Path, seed: u64, jobs: usize) -> anyhow::Result<()> {
         .map(|(k, t)| nature(t, seed * 1000 + 17 * k as u64))
         .collect::<anyhow::Result<Vec<_>>>()?;
     println!("{} drums", rigs.len());
-    let other = elsewhere::liggghts();
+    let other = locate("TUMBLE_LIGGGHTS", "liggghts").ok();
     let is_ours = |k: &usize| truths[*k].code == "tumble";
     let own: Vec<usize> = (0..truths.len()).filter(is_ours).collect();
     let own_rigs: Vec<Rig> = own.iter().map(|k| rigs[*k].clone()).collect();

@@ -6,7 +6,7 @@
 //! time is `loop time x (processor time / wall time of the process)`, which a machine that others
 //! use distorts less.
 
-mod code;
+pub(crate) mod code;
 mod exchange;
 mod log;
 mod memory;

@@ -116,6 +116,15 @@ impl CodeCovariance {
     }
 }
 
+/// Two effects simulated together: their own model in place of the sum of two signatures.
+#[derive(Clone)]
+pub struct PairModel<'s> {
+    /// Names of two candidates.
+    pub names: [String; 2],
+    /// Simulator of the free parameters, then the strengths of both in that order.
+    pub simulator: &'s dyn Simulator,
+}
+
 /// An experiment that could be made next to separate effects that the data leave together.
 #[derive(Clone)]
 pub struct Experiment<'s> {

@@ -119,7 +119,7 @@ impl Null {
         let mean = data.pick(&predicted.mean);
         let apart: f64 =
             mean.iter().zip(&base.point.mean).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let nested = apart < 1e-9 && (weight.log_det - base.weight.log_det).abs() < 1e-9;
+        let nested = apart < 1e-6 && (weight.log_det - base.weight.log_det).abs() < 1e-6;
         let frictions = &model.unit(&absent)[..model.frictions()];
         let mut starts = Vec::new();
         for strengths in model.strength_starts() {
@@ -141,7 +141,9 @@ impl Null {
         let absent = if self.nested {
             without
         } else {
-            search.descend(y, &self.starts[0], Some(model.frictions()), COARSE)?.chi2
+            // A model that is worse than the base where its effect is absent gains nothing by that.
+            let own = search.descend(y, &self.starts[0], Some(model.frictions()), COARSE)?.chi2;
+            own.min(without)
         };
         let with = search.best(y, &self.starts, COARSE)?.map_or(absent, |s| s.chi2);
         Ok((absent - with).max(0.0))

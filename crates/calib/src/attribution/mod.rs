@@ -20,7 +20,7 @@ mod signature;
 mod solver;
 mod stability;
 
-pub use candidate::{Candidate, CodeCovariance, Experiment, Layer, Settings};
+pub use candidate::{Candidate, CodeCovariance, Experiment, Layer, PairModel, Settings};
 pub use finding::{
     CollinearClass, Detectable, Evidence, Finding, Fit, Gate, HeldOut, HeldOutResponse,
     NextExperiment, Overturn, PairFit, Ranked, ResidualPoint, StabilityRow, Strength, Verdict,
@@ -34,6 +34,8 @@ pub struct Attribution<'s> {
     pub base: Problem<'s>,
     /// The catalogue.
     pub candidates: Vec<Candidate<'s>>,
+    /// Pairs that were simulated together. The signatures of all others add.
+    pub pair_models: Vec<PairModel<'s>>,
     /// Systematic difference between codes, where the truth came from another code.
     pub code_covariance: Option<CodeCovariance>,
     /// Data that are never fitted, of the same configuration.
@@ -53,6 +55,26 @@ impl Attribution<'_> {
     pub fn attribute(&self) -> Result<Finding, CalibError> {
         self.check()?;
         report::finding(self)
+    }
+
+    /// Best fit of the base, then of each candidate in the order given, without any test: for
+    /// choosing what to simulate next.
+    ///
+    /// # Errors
+    /// As [`Attribution::attribute`].
+    pub fn fits(&self) -> Result<Vec<Fit>, CalibError> {
+        self.check()?;
+        report::fits(self)
+    }
+
+    /// Best fit of every pair, best deviance first, without any test; `eligible` says only that it fits and
+    /// that neither strength is absent or at an end of its range.
+    ///
+    /// # Errors
+    /// As [`Attribution::attribute`].
+    pub fn pair_fits(&self) -> Result<Vec<PairFit>, CalibError> {
+        self.check()?;
+        report::pair_fits(self)
     }
 
     /// Only the verdict, by a bootstrap that stops early where nothing is missing: for studies

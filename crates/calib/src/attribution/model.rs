@@ -1,6 +1,6 @@
 //! The base model, the base with one effect, the base with two.
 
-use super::Candidate;
+use super::{Candidate, PairModel};
 use crate::{CalibError, FreeParameter, Predicted, Problem, Simulator};
 
 #[derive(Clone, Copy)]
@@ -11,6 +11,11 @@ enum Kind<'s> {
         base: &'s dyn Simulator,
         a: &'s dyn Simulator,
         b: &'s dyn Simulator,
+    },
+    /// Two effects simulated together; `turned` if the simulator takes the second strength first.
+    Both {
+        simulator: &'s dyn Simulator,
+        turned: bool,
     },
 }
 
@@ -78,13 +83,22 @@ impl<'s> Model<'s> {
         problem: &Problem<'s>,
         a: &Candidate<'s>,
         b: &Candidate<'s>,
+        together: &[PairModel<'s>],
     ) -> Result<Self, CalibError> {
         let mut model = Self::single(&problem.free, a)?;
         model.name = format!("{} + {}", a.name, b.name);
         model.parameters.push(b.name.clone());
         model.ranges.push(b.range);
         model.nulls.push(b.null);
-        model.kind = Kind::Two { base: problem.simulator, a: a.simulator, b: b.simulator };
+        let own = together.iter().find_map(|p| {
+            let [first, second] = &p.names;
+            let turned = *first == b.name && *second == a.name;
+            (turned || (*first == a.name && *second == b.name)).then_some((p.simulator, turned))
+        });
+        model.kind = match own {
+            Some((simulator, turned)) => Kind::Both { simulator, turned },
+            None => Kind::Two { base: problem.simulator, a: a.simulator, b: b.simulator },
+        };
         Ok(model)
     }
 
@@ -133,6 +147,7 @@ impl<'s> Model<'s> {
     pub(super) fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
         let predicted = match self.kind {
             Kind::One(s) => s.predict(theta, speeds)?,
+            Kind::Both { simulator, turned } => simulator.predict(&turn(theta, turned), speeds)?,
             Kind::Two { base, a, b } => {
                 let (ta, tb) = self.split(theta);
                 let mut p = a.predict(&ta, speeds)?;
@@ -155,6 +170,7 @@ impl<'s> Model<'s> {
     pub(super) fn expected(&self, theta: &[f64], speeds: &[f64]) -> Result<Vec<f64>, CalibError> {
         let mean = match self.kind {
             Kind::One(s) => s.expected(theta, speeds)?,
+            Kind::Both { simulator, turned } => simulator.expected(&turn(theta, turned), speeds)?,
             Kind::Two { base, a, b } => {
                 let (ta, tb) = self.split(theta);
                 let mut mean = a.expected(&ta, speeds)?;
@@ -190,4 +206,14 @@ impl<'s> Model<'s> {
             None => Ok(()),
         }
     }
+}
+
+/// Parameters with the last two exchanged if so asked.
+fn turn(theta: &[f64], turned: bool) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    if turned && theta.len() >= 2 {
+        let n = theta.len();
+        theta.swap(n - 2, n - 1);
+    }
+    theta
 }

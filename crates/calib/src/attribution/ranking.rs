@@ -5,13 +5,13 @@
 //! that explain the data as well within a stated likelihood ratio join its class whether or not
 //! their own improvement is significant, whatever layer they act on.
 
-use super::Verdict;
 use super::data::Data;
 use super::evidence::{laplace, unknown};
 use super::gate::{Case, Screen};
 use super::held_out::{Compared, predict};
 use super::model::Model;
 use super::solver::{Settled, settle};
+use super::{Layer, Verdict};
 use crate::{CalibError, chi_square_p};
 
 /// Least number of speeds at which leaving one out says something of speeds.
@@ -102,6 +102,23 @@ impl Judged<'_> {
         case.data.len() - self.model.len()
     }
 
+    /// Whether it is an effect of reading or of the camera at an end of its range. That range is what
+    /// photographs would show, so what stands there would go on beyond: it stands for something else.
+    fn reads_wrong(&self, case: &Case<'_, '_>) -> bool {
+        let reading = |k: &usize| {
+            let layer = case.attribution.candidates[*k].layer;
+            matches!(layer, Layer::Camera | Layer::Measurement)
+        };
+        let unit = self.fit.point.unit[self.model.frictions()];
+        self.of.first().is_some_and(reading) && !(1e-3..=1.0 - 1e-3).contains(&unit)
+    }
+
+    /// Whether no strength is absent or at an end of its range.
+    pub(super) fn inside(&self) -> bool {
+        let strengths = &self.fit.point.unit[self.model.frictions()..];
+        strengths.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6)
+    }
+
     /// Held-out errors against the base: the gain at one speed left out (else of the given set).
     fn judge_held_out(
         &mut self,
@@ -171,6 +188,11 @@ pub(super) fn decide<'s>(
             judged.objections.push(format!("does not fit (p {:.2e})", judged.p_absolute));
             judged.explains = false;
         }
+        if judged.reads_wrong(case) {
+            let why = "only at the end of its range, where photographs would show it";
+            judged.objections.push(why.to_owned());
+            judged.explains = false;
+        }
         judged.judge_held_out(case, base, &folds)?;
         let significant = judged.p_family <= level;
         if !significant {
@@ -220,7 +242,8 @@ fn class_of(judged: &[Judged<'_>], within: f64) -> Vec<usize> {
     class
 }
 
-fn fit<'s>(
+/// Best fit of a model of the candidates `of`, not judged yet.
+pub(super) fn fit<'s>(
     case: &Case<'_, 's>,
     model: &Model<'s>,
     of: Vec<usize>,
@@ -273,27 +296,38 @@ fn fit_pairs<'s>(
     let unknown = unknown(&case.base, &case.data, base)? + settings.prior_unknown.ln();
     let prior = (settings.prior_pairs / count).ln();
     let mut pairs = Vec::new();
+    for mut judged in pairs_fitted(case, base)? {
+        let needed =
+            judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.fit.deviance() > within));
+        let probable = laplace(&judged.fit) + prior > unknown;
+        let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
+        judged.explains = fits && needed && judged.inside() && probable;
+        if judged.explains {
+            judged.judge_held_out(case, base, folds)?;
+            judged.explains &= judged.gain.is_none_or(|g| g > best_gain);
+        }
+        judged.eligible = judged.explains;
+        pairs.push(judged);
+    }
+    sort(&mut pairs);
+    Ok(pairs)
+}
+
+/// Best fit of every pair, not judged yet.
+pub(super) fn pairs_fitted<'s>(
+    case: &Case<'_, 's>,
+    base: &Settled,
+) -> Result<Vec<Judged<'s>>, CalibError> {
+    let problem = &case.attribution.base;
+    let candidates = &case.attribution.candidates;
+    let together = &case.attribution.pair_models;
+    let mut pairs = Vec::new();
     for a in 0..candidates.len() {
         for b in a + 1..candidates.len() {
-            let model = Model::pair(&case.attribution.base, &candidates[a], &candidates[b])?;
-            if case.data.len() <= model.len() {
-                continue;
+            let model = Model::pair(problem, &candidates[a], &candidates[b], together)?;
+            if case.data.len() > model.len() {
+                pairs.push(fit(case, &model, vec![a, b], base)?);
             }
-            let mut judged = fit(case, &model, vec![a, b], base)?;
-            let needed = [a, b]
-                .into_iter()
-                .all(|k| alone(k).is_some_and(|d| d - judged.fit.deviance() > within));
-            let strengths = &judged.fit.point.unit[model.frictions()..];
-            let inside = strengths.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6);
-            let probable = laplace(&judged.fit) + prior > unknown;
-            let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
-            judged.explains = fits && needed && inside && probable;
-            if judged.explains {
-                judged.judge_held_out(case, base, folds)?;
-                judged.explains &= judged.gain.is_none_or(|g| g > best_gain);
-            }
-            judged.eligible = judged.explains;
-            pairs.push(judged);
         }
     }
     sort(&mut pairs);

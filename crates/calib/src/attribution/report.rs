@@ -4,7 +4,7 @@ use super::evidence::{Profile, laplace, log_mean, profile, unknown};
 use super::gate::{Case, Screen};
 use super::model::Model;
 use super::next;
-use super::ranking::{Decision, Judged, decide};
+use super::ranking::{Decision, Judged, decide, fit, pairs_fitted};
 use super::signature::{classes, cosines, detectable, signatures};
 use super::solver::Settled;
 use super::stability::{self, overturn};
@@ -46,15 +46,7 @@ pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibErr
     let mut pairs = Vec::new();
     if !screen.gate.passes && none_eligible {
         for j in &decision.pairs {
-            let d = j.model.frictions();
-            pairs.push(PairFit {
-                names: [names[j.of[0]].clone(), names[j.of[1]].clone()],
-                fit: report_fit(&case, &j.model, &j.fit)?,
-                strengths: [j.fit.theta[d], j.fit.theta[d + 1]],
-                held_out_gain: j.gain,
-                at_ends: j.at_ends,
-                eligible: j.eligible,
-            });
+            pairs.push(pair_fit(&case, j, j.eligible)?);
         }
     }
     let verdict_without_code = match attribution.code_covariance {
@@ -82,6 +74,49 @@ pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibErr
         names,
         gate: screen.gate,
         verdict: decision.verdict,
+    })
+}
+
+/// Best fits of the base and of every candidate.
+pub(super) fn fits(attribution: &Attribution<'_>) -> Result<Vec<Fit>, CalibError> {
+    let observations = &attribution.base.observations;
+    let case = Case::new(attribution, observations, Variation::default(), true)?;
+    let base = case.fit_base()?;
+    let mut all = vec![report_fit(&case, &case.base, &base)?];
+    for (k, model) in case.singles.iter().enumerate() {
+        let judged = fit(&case, model, vec![k], &base)?;
+        all.push(report_fit(&case, model, &judged.fit)?);
+    }
+    Ok(all)
+}
+
+/// Best fits of every pair.
+pub(super) fn pair_fits(attribution: &Attribution<'_>) -> Result<Vec<PairFit>, CalibError> {
+    let observations = &attribution.base.observations;
+    let case = Case::new(attribution, observations, Variation::default(), true)?;
+    let base = case.fit_base()?;
+    let pairs = pairs_fitted(&case, &base)?;
+    let one = |j: &Judged<'_>| {
+        let fits = j.inside() && j.p_absolute > attribution.settings.level;
+        pair_fit(&case, j, fits)
+    };
+    pairs.iter().map(one).collect()
+}
+
+fn pair_fit(
+    case: &Case<'_, '_>,
+    judged: &Judged<'_>,
+    eligible: bool,
+) -> Result<PairFit, CalibError> {
+    let d = judged.model.frictions();
+    let name = |k: usize| case.attribution.candidates[judged.of[k]].name.clone();
+    Ok(PairFit {
+        names: [name(0), name(1)],
+        fit: report_fit(case, &judged.model, &judged.fit)?,
+        strengths: [judged.fit.theta[d], judged.fit.theta[d + 1]],
+        held_out_gain: judged.gain,
+        at_ends: judged.at_ends,
+        eligible,
     })
 }
 

@@ -205,13 +205,7 @@ impl Laboratory {
             if self.is_stopped() {
                 return Err(CampaignError::Stopped);
             }
-            let seen = observatory.observe_footage(footage)?;
-            let row = SpeedRow::of(footage.speed_rpm, footage.approach_s, &seen.report);
-            rows.push(row.ok_or_else(|| CampaignError::Unseen {
-                speed_rpm: footage.speed_rpm,
-                measured: seen.report.n_frames,
-                reason: seen.report.rejected.first().map(|r| r.reason.clone()),
-            })?);
+            rows.push(SpeedRow::seen(&observatory, footage)?);
         }
         let run = Run {
             key: key.to_hex().to_string(),

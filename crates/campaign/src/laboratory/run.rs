@@ -30,6 +30,20 @@ pub struct SpeedRow {
 }
 
 impl SpeedRow {
+    /// What an observatory sees of one footage.
+    pub(crate) fn seen(
+        observatory: &Observatory,
+        footage: &Footage,
+    ) -> Result<Self, CampaignError> {
+        let seen = observatory.observe_footage(footage)?;
+        let row = Self::of(footage.speed_rpm, footage.approach_s, &seen.report);
+        row.ok_or_else(|| CampaignError::Unseen {
+            speed_rpm: footage.speed_rpm,
+            measured: seen.report.n_frames,
+            reason: seen.report.rejected.first().map(|r| r.reason.clone()),
+        })
+    }
+
     /// What a report says, if it has at least two frames.
     pub(crate) fn of(speed_rpm: f64, approach_s: f64, report: &SeriesReport) -> Option<Self> {
         let r = report.responses?;
@@ -79,16 +93,10 @@ impl Run {
         speeds: &[Footage],
     ) -> Result<Self, CampaignError> {
         let observatory = Observatory::new(rig, resolution)?;
-        let mut rows = Vec::new();
-        for footage in speeds {
-            let seen = observatory.observe_footage(footage)?;
-            let row = SpeedRow::of(footage.speed_rpm, footage.approach_s, &seen.report);
-            rows.push(row.ok_or_else(|| CampaignError::Unseen {
-                speed_rpm: footage.speed_rpm,
-                measured: seen.report.n_frames,
-                reason: seen.report.rejected.first().map(|r| r.reason.clone()),
-            })?);
-        }
+        let rows = speeds
+            .iter()
+            .map(|footage| SpeedRow::seen(&observatory, footage))
+            .collect::<Result<_, _>>()?;
         let particles = speeds.first().map_or(0, |f| f.radii.len() / f.per_body.max(1) as usize);
         Ok(Self { key: String::new(), speeds: rows, steps: 0, particles, cost_s: 0.0 })
     }

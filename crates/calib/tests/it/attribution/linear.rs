@@ -56,6 +56,7 @@ fn a_line_is_found_with_the_numbers_of_algebra() {
             exposed_by: "more speeds".to_owned(),
             meaning: "a slope".to_owned(),
         }],
+        pair_models: Vec::new(),
         code_covariance: None,
         held_out: None,
         experiments: Vec::new(),

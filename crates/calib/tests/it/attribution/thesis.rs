@@ -48,6 +48,7 @@ fn two_frictions_are_fitted_as_the_grid_search_fits_them() {
                 exposed_by: "the drum turned the other way".to_owned(),
                 meaning: "the camera is rolled about its axis".to_owned(),
             }],
+            pair_models: Vec::new(),
             code_covariance: None,
             held_out: None,
             experiments: Vec::new(),

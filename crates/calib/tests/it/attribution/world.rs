@@ -215,6 +215,7 @@ pub(crate) fn attribution<'s>(
     Attribution {
         base: Problem { observations, simulator: base, free: free(), nuisances: nuisances() },
         candidates,
+        pair_models: Vec::new(),
         code_covariance: None,
         held_out: None,
         experiments: Vec::new(),

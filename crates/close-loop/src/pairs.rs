@@ -1,0 +1,204 @@
+//! Two effects together: simulated where their signatures alone would explain the data.
+
+use calib::CalibError;
+use calib::attribution::{PairFit, Settings};
+
+use crate::catalogue::Effect;
+use crate::coded::{Coded, Model};
+use crate::driver::{Stage, State, Told, is_simulated};
+use crate::emulator::{Emulator, Sample};
+use crate::error::CloseLoopError;
+use crate::refine::{BATCH, ENOUGH, KNOWN};
+use crate::runs::{rig_with, sample};
+
+/// What is to be run: effects with their strengths, free parameters first.
+struct Asked {
+    effects: Vec<Effect>,
+    at: Vec<f64>,
+}
+
+impl State<'_> {
+    /// Models of the pairs that were simulated, by their names.
+    pub(crate) fn pair_models(
+        &self,
+        base: &Emulator,
+    ) -> Result<Vec<([String; 2], Coded)>, CalibError> {
+        let mut models = Vec::new();
+        for (names, own) in &self.pairs {
+            if let Some([a, b]) = self.both(names) {
+                let model = self.pair_model(base, [a, b], own)?;
+                models.push((names.clone(), Coded::new(&[a, b], Model::Runs(model))));
+            }
+        }
+        Ok(models)
+    }
+
+    fn both(&self, names: &[String; 2]) -> Option<[&Effect; 2]> {
+        let find = |n: &String| self.setup.catalogue.effects.iter().find(|e| e.path == *n);
+        Some([find(&names[0])?, find(&names[1])?])
+    }
+
+    /// A surface over the free parameters and both strengths, from the runs of the base, of each effect
+    /// alone, and of both.
+    fn pair_model(
+        &self,
+        base: &Emulator,
+        [a, b]: [&Effect; 2],
+        own: &[Sample],
+    ) -> Result<Emulator, CalibError> {
+        let with = |s: &Sample, more: &[f64]| {
+            let at = s.at.iter().chain(more).copied().collect();
+            Sample { at, ..s.clone() }
+        };
+        let mut all: Vec<Sample> = self.base.iter().map(|s| with(s, &[a.null, b.null])).collect();
+        all.extend(self.effects.get(&a.path).into_iter().flatten().map(|s| with(s, &[b.null])));
+        for s in self.effects.get(&b.path).into_iter().flatten() {
+            let mut at = s.at.clone();
+            at.insert(at.len() - 1, a.null);
+            all.push(Sample { at, ..s.clone() });
+        }
+        all.extend_from_slice(own);
+        let mut axes = self.effect_axes(a);
+        axes.extend(self.effect_axes(b).pop());
+        let mut origin = self.middle();
+        origin.extend([a.null, b.null]);
+        let knots = self.setup.knots.clone();
+        let model = Emulator::with_shifts(axes, origin, knots, &all, Some(base.shift()))?;
+        Ok(self.dress(model))
+    }
+
+    /// Simulate pairs at their best points, the most promising first, with at most `most` runs.
+    pub(crate) fn refine_pairs(
+        &mut self,
+        most: usize,
+        settings: &Settings,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<(), CloseLoopError> {
+        let mut left = most;
+        while left > 0 {
+            let asked = self.doubtful_pairs(BATCH.min(left), settings)?;
+            if asked.is_empty() {
+                break;
+            }
+            left -= asked.len();
+            let free = self.setup.free.len();
+            let mut rigs = Vec::new();
+            for one in &asked {
+                let (theta, strengths) = one.at.split_at(free);
+                let of: Vec<(Effect, f64)> =
+                    one.effects.iter().cloned().zip(strengths.iter().copied()).collect();
+                let Some(((effect, strength), more)) = of.split_first() else { continue };
+                let number = 100 + self.seen(&one.effects).len();
+                let filling = self.runs.filling(Stage::Refine, number);
+                let (rig, axes) = (&self.setup.rig, &self.setup.axes);
+                let mut with = rig_with(rig, axes, theta, (effect, *strength), filling)?;
+                let mut label = format!("{} = {strength:.4}", effect.path);
+                for (effect, strength) in more {
+                    with = effect.apply(&with, *strength)?;
+                    label = format!("{label}, {} = {strength:.4}", effect.path);
+                }
+                rigs.push((label, with));
+            }
+            let runs = self.runs.all(Stage::Refine, &rigs, watch)?;
+            for (one, run) in asked.into_iter().zip(&runs) {
+                match (run, &one.effects[..]) {
+                    (Some(run), [a]) => {
+                        let own = sample(one.at, run);
+                        self.effects.entry(a.path.clone()).or_default().push(own);
+                    }
+                    (Some(run), [a, b]) => {
+                        let names = [a.path.clone(), b.path.clone()];
+                        self.pairs.entry(names).or_default().push(sample(one.at, run));
+                    }
+                    // The stronger one by its own coordinate is the one that goes too far.
+                    (None, [a, ..]) => self.shorten(&a.path, one.at.get(free).copied()),
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs of an effect alone, or of two together.
+    fn seen(&self, effects: &[Effect]) -> &[Sample] {
+        let own = match effects {
+            [a] => self.effects.get(&a.path),
+            [a, b] => self.pairs.get(&[a.path.clone(), b.path.clone()]),
+            _ => None,
+        };
+        own.map_or(&[], |s| &s[..])
+    }
+
+    /// Best points of the pairs that may explain the data best and of which too little is known there.
+    fn doubtful_pairs(&self, count: usize, settings: &Settings) -> Result<Vec<Asked>, CalibError> {
+        let base = self.base_model()?;
+        let models = self.models(&base)?;
+        let pairs = self.pair_models(&base)?;
+        let fits = self.question(&base, &models, &pairs, settings).pair_fits()?;
+        let mut limit = f64::INFINITY;
+        let mut points: Vec<Asked> = Vec::new();
+        for fit in fits.iter().filter(|f| f.eligible) {
+            if points.len() == count || fit.fit.deviance > limit {
+                break;
+            }
+            match self.asked(&base, &models, fit)? {
+                Some(asked) => points.push(asked),
+                None => limit = limit.min(fit.fit.deviance + 2.0 * settings.class_ratio.ln()),
+            }
+        }
+        Ok(points)
+    }
+
+    /// The run that would tell most of a pair at its best point; `None` if it is known there.
+    fn asked(
+        &self,
+        base: &Emulator,
+        models: &[(&Effect, Coded)],
+        fit: &PairFit,
+    ) -> Result<Option<Asked>, CalibError> {
+        let Some([a, b]) = self.both(&fit.names) else { return Ok(None) };
+        let coded = |e: &Effect| models.iter().find(|(m, _)| m.path == e.path).map(|(_, c)| c);
+        let theta = &fit.fit.theta[..self.setup.free.len()];
+        // Readings and cameras add to what an effect does; the effect itself must be known there.
+        let simulated: Vec<(&Effect, f64)> = [a, b]
+            .into_iter()
+            .zip(fit.strengths)
+            .filter(|(e, _)| is_simulated(e))
+            .filter_map(|(e, v)| Some((e, coded(e)?.strength(v))))
+            .collect();
+        let at: Vec<f64> = theta.iter().copied().chain(simulated.iter().map(|(_, s)| *s)).collect();
+        let effects: Vec<Effect> = simulated.iter().map(|(e, _)| (*e).clone()).collect();
+        let own = self.seen(&effects);
+        let model = match simulated[..] {
+            [(e, _)] => self.effect_model(base, e, own)?,
+            [(e, _), (f, _)] => self.pair_model(base, [e, f], own)?,
+            _ => return Ok(None),
+        };
+        let near = own.iter().filter(|s| model.apart(&s.at, &at) < ENOUGH.1).count();
+        let known = model.doubt(&at) <= KNOWN || near >= ENOUGH.0;
+        Ok((!known).then_some(Asked { effects, at }))
+    }
+
+    /// Whether a model is made of simulations and can take more.
+    pub(crate) fn can_learn(&self, (names, _): &(Vec<String>, Vec<Sample>)) -> bool {
+        match &names[..] {
+            [name] => self.effects.contains_key(name),
+            [a, b] => self.pairs.contains_key(&[a.clone(), b.clone()]),
+            _ => false,
+        }
+    }
+
+    /// Take fresh runs into the models of their effects.
+    pub(crate) fn learn(&mut self, learned: Vec<(Vec<String>, Vec<Sample>)>) {
+        for (names, samples) in learned {
+            let known = match &names[..] {
+                [name] => self.effects.get_mut(name),
+                [a, b] => self.pairs.get_mut(&[a.clone(), b.clone()]),
+                _ => None,
+            };
+            if let Some(known) = known {
+                known.extend(samples);
+            }
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! Gaussian-process regression of many outputs over the same runs.
+//!
+//! An output is a quadratic in coded coordinates whose coefficients have normal priors wide against what
+//! drums show, plus a smooth remainder (Rasmussen and Williams, Gaussian
+//! Processes for Machine Learning, 2006, sections 2.2 and 2.7). So the surface follows runs wherever they
+//! are, near the calibrated point and far from it, and says how little it knows between them. The amplitude
+//! of the remainder and the scatter of fillings are chosen for each response by the marginal likelihood.
+//!
+//! A run differs from the next by more than its frames scatter: another filling of the drum has a little
+//! more or less volume at all its speeds (560 beads of 12 % spread move the centre of area by 0.6 % of R).
+//! So a run's noise is that of its frames and a shift of each response which its speeds share.
+
+use calib::CalibError;
+use faer::linalg::solvers::Solve as _;
+use faer::{Mat, Side};
+
+/// Prior standard deviation of the constant about the mean of the runs, deg or percent of R.
+const CONSTANT: f64 = 15.0;
+/// Of a slope, for one coded unit.
+const SLOPE: f64 = 6.0;
+/// Of a curvature.
+const CURVATURE: f64 = 2.0;
+/// Of a product of two coordinates.
+const PRODUCT: f64 = 1.5;
+/// Lengths of the remainder that are tried, coded units.
+const LENGTHS: [f64; 3] = [0.8, 1.2, 1.8];
+/// Length that is expected, with the standard deviation of its logarithm.
+const LENGTH: (f64, f64) = (1.2, 0.5);
+/// Amplitudes of the remainder that are tried, deg or percent of R.
+const AMPLITUDES: [f64; 5] = [0.3, 0.6, 1.2, 2.5, 5.0];
+/// Amplitude that is expected, with the standard deviation of its logarithm.
+const AMPLITUDE: (f64, f64) = (1.2, 0.7);
+/// Standard deviations of a filling's shift that are tried, deg or percent of R.
+const SHIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
+/// Shift that is expected, with the standard deviation of its logarithm.
+const SHIFT: (f64, f64) = (0.3, 1.0);
+/// Least variance of a mean, (0.01 deg)^2.
+const FLOOR: f64 = 1e-4;
+
+/// Shift of the four responses at one speed, with its covariance.
+pub type Shift = ([f64; 4], [[f64; 4]; 4]);
+
+/// What is known of the responses at a point.
+#[derive(Debug, Clone)]
+pub(crate) struct Local {
+    /// By knot.
+    pub(crate) at: Vec<Shift>,
+    /// Further standard deviation of each response, shared by all knots: shifts of the fillings that
+    /// were simulated.
+    pub(crate) shared: Vec<[f64; 4]>,
+}
+
+/// All outputs over the same runs.
+#[derive(Debug, Clone)]
+pub(crate) struct Process {
+    /// Coded coordinates of the runs.
+    coded: Vec<Vec<f64>>,
+    amplitude: [f64; 4],
+    length: f64,
+    /// Standard deviation of a filling's shift of each response.
+    pub(crate) shift: [f64; 4],
+    /// By knot and response.
+    outputs: Vec<[Output; 4]>,
+}
+
+#[derive(Debug, Clone)]
+struct Output {
+    middle: f64,
+    alpha: Vec<f64>,
+    inverse: Mat<f64>,
+}
+
+impl Process {
+    /// Regression on runs at `coded` whose outputs are `mean` (by run and knot), with the covariance of
+    /// their frames by knot; the shift of fillings is found if it is not given.
+    pub(crate) fn fit(
+        coded: Vec<Vec<f64>>,
+        mean: &[&[[f64; 4]]],
+        frames: &[[[f64; 4]; 4]],
+        shift: Option<[f64; 4]>,
+    ) -> Result<Self, CalibError> {
+        let n = coded.len();
+        let kernels = |length: f64| -> Vec<(f64, f64)> {
+            (0..n * n).map(|k| kernel(&coded[k / n], &coded[k % n], length)).collect()
+        };
+        let system = |kernels: &[(f64, f64)], amplitude: f64, noise: f64| {
+            Mat::from_fn(n, n, |i, j| {
+                let (q, s) = kernels[i * n + j];
+                q + amplitude * amplitude * s + if i == j { noise } else { 0.0 }
+            })
+        };
+        let outputs = |k: usize, r: usize| -> (f64, Mat<f64>) {
+            let middle = mean.iter().map(|m| m[k][r]).sum::<f64>() / n as f64;
+            (middle, Mat::from_fn(n, 1, |i, _| mean[i][k][r] - middle))
+        };
+        let fault = || CalibError::Covariance { what: "runs of a surface", size: n };
+        let noise = |shift: f64, k: usize, r: usize| frames[k][r][r].max(FLOOR) + shift * shift;
+        let log_likelihood = |of: &[(f64, f64)], amplitude: f64, shift: f64, r: usize| {
+            let mut sum = log_prior(amplitude, AMPLITUDE) + log_prior(shift, SHIFT);
+            for k in 0..frames.len() {
+                let llt = system(of, amplitude, noise(shift, k, r))
+                    .llt(Side::Lower)
+                    .map_err(|_| fault())?;
+                let (_, y) = outputs(k, r);
+                let alpha = llt.solve(&y);
+                let fit: f64 = (0..n).map(|i| y[(i, 0)] * alpha[(i, 0)]).sum();
+                let log_det: f64 = (0..n).map(|i| llt.L()[(i, i)].ln()).sum();
+                sum -= 0.5 * fit + log_det;
+            }
+            Ok::<f64, CalibError>(sum)
+        };
+        let mut best = (f64::NEG_INFINITY, LENGTH.0, [(AMPLITUDE.0, SHIFT.0); 4]);
+        for length in LENGTHS {
+            let of = kernels(length);
+            let mut sum = log_prior(length, LENGTH);
+            let mut chosen = [(AMPLITUDE.0, SHIFT.0); 4];
+            for (r, own) in chosen.iter_mut().enumerate() {
+                let mut most = f64::NEG_INFINITY;
+                let given = shift.map(|s| [s[r]]);
+                for s in given.as_ref().map_or(&SHIFTS[..], |s| &s[..]) {
+                    for amplitude in AMPLITUDES {
+                        let l = log_likelihood(&of, amplitude, *s, r)?;
+                        if l > most {
+                            (most, *own) = (l, (amplitude, *s));
+                        }
+                    }
+                }
+                sum += most;
+            }
+            if sum > best.0 {
+                best = (sum, length, chosen);
+            }
+        }
+        let (likelihood, length, chosen) = best;
+        if !likelihood.is_finite() {
+            return Err(fault());
+        }
+        let (amplitude, shift) = (chosen.map(|c| c.0), chosen.map(|c| c.1));
+        let of = kernels(length);
+        let mut fitted = Vec::with_capacity(frames.len());
+        for k in 0..frames.len() {
+            let mut four = Vec::with_capacity(4);
+            for (r, a) in amplitude.iter().enumerate() {
+                let llt =
+                    system(&of, *a, noise(shift[r], k, r)).llt(Side::Lower).map_err(|_| fault())?;
+                let (middle, y) = outputs(k, r);
+                let solved = llt.solve(&y);
+                let alpha = (0..n).map(|i| solved[(i, 0)]).collect();
+                let inverse = llt.solve(Mat::<f64>::identity(n, n));
+                four.push(Output { middle, alpha, inverse });
+            }
+            fitted.push(four.try_into().map_err(|_| fault())?);
+        }
+        Ok(Self { coded, amplitude, length, shift, outputs: fitted })
+    }
+
+    /// Means at a point, by knot.
+    pub(crate) fn mean(&self, z: &[f64]) -> Vec<[f64; 4]> {
+        let to: Vec<(f64, f64)> = self.coded.iter().map(|c| kernel(c, z, self.length)).collect();
+        let value = |four: &[Output; 4], r: usize| {
+            let (o, a) = (&four[r], self.amplitude[r].powi(2));
+            let sum: f64 = to.iter().zip(&o.alpha).map(|((q, s), w)| (q + a * s) * w).sum();
+            o.middle + sum
+        };
+        self.outputs.iter().map(|four| std::array::from_fn(|r| value(four, r))).collect()
+    }
+
+    /// Means at a point with their covariance, by knot. What the frames' scatter leaves is common to the
+    /// responses as the frames are; what the surface does not know is each response's own.
+    pub(crate) fn moments(&self, z: &[f64], frames: &[[[f64; 4]; 4]]) -> Local {
+        let n = self.coded.len();
+        let to: Vec<(f64, f64)> = self.coded.iter().map(|c| kernel(c, z, self.length)).collect();
+        let (own_q, own_s) = kernel(z, z, self.length);
+        let mut local = Local { at: Vec::new(), shared: Vec::new() };
+        for ((four, frame), mean) in self.outputs.iter().zip(frames).zip(self.mean(z)) {
+            let mut shared = [0.0; 4];
+            let mut weights: [Vec<f64>; 4] = Default::default();
+            let mut covariance = [[0.0; 4]; 4];
+            for r in 0..4 {
+                let a = self.amplitude[r].powi(2);
+                let k: Vec<f64> = to.iter().map(|(q, s)| q + a * s).collect();
+                let inverse = &four[r].inverse;
+                weights[r] = (0..n).map(|i| (0..n).map(|j| inverse[(i, j)] * k[j]).sum()).collect();
+                let known: f64 = k.iter().zip(&weights[r]).map(|(k, w)| k * w).sum();
+                let all = (own_q + a * own_s - known).max(0.0);
+                let square: f64 = weights[r].iter().map(|w| w * w).sum();
+                let of_fillings = (square * self.shift[r].powi(2)).min(all);
+                shared[r] = of_fillings.sqrt();
+                covariance[r][r] = all - of_fillings;
+            }
+            for r in 0..4 {
+                for s in 0..r {
+                    let both: f64 = weights[r].iter().zip(&weights[s]).map(|(a, b)| a * b).sum();
+                    let common = both * frame[r][s];
+                    let most = (covariance[r][r] * covariance[s][s]).sqrt();
+                    covariance[r][s] = common.clamp(-most, most);
+                    covariance[s][r] = covariance[r][s];
+                }
+            }
+            local.at.push((mean, covariance));
+            local.shared.push(shared);
+        }
+        local
+    }
+}
+
+/// The quadratic's part and the remainder's, whose amplitude is 1 here.
+fn kernel(a: &[f64], b: &[f64], length: f64) -> (f64, f64) {
+    let (mut slope, mut square, mut apart) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        let p = x * y;
+        slope += p;
+        square += p * p;
+        apart += (x - y).powi(2);
+    }
+    let product = 0.5 * (slope * slope - square);
+    let quadratic = CONSTANT.powi(2)
+        + SLOPE.powi(2) * slope
+        + CURVATURE.powi(2) * square
+        + PRODUCT.powi(2) * product;
+    (quadratic, (-0.5 * apart / length.powi(2)).exp())
+}
+
+fn log_prior(value: f64, (middle, sd): (f64, f64)) -> f64 {
+    -0.5 * ((value / middle).ln() / sd).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Angle of a bed against the logarithm of friction: rises, then levels off; an effect that acts
+    /// beyond a threshold.
+    fn surface(z: &[f64]) -> f64 {
+        30.0 + 6.0 * (0.8 * z[0]).tanh() + 2.0 * (z[1] - 1.0).max(0.0) * (1.0 - 0.2 * z[0])
+    }
+
+    #[test]
+    fn the_surface_is_right_near_the_runs_wherever_they_are_and_says_how_right() {
+        let mut coded: Vec<Vec<f64>> =
+            (0..14).map(|k| vec![-3.25 + 0.5 * f64::from(k), 0.0]).collect();
+        coded.extend((0..4).map(|k| vec![0.0, 0.02 * f64::from(k)]));
+        coded.extend([-1.0, 1.0].map(|v| vec![0.0, v]));
+        // A refinement far from where the effect is absent.
+        coded.extend(
+            (0..9).map(|k| vec![1.5 + 0.35 * f64::from(k % 3), 3.3 + 0.35 * f64::from(k / 3)]),
+        );
+        let noise = |k: usize| 0.05 * (1.7 * k as f64).sin();
+        let runs: Vec<[[f64; 4]; 1]> = coded
+            .iter()
+            .enumerate()
+            .map(|(k, z)| [std::array::from_fn(|r| surface(z) + noise(4 * k + r))])
+            .collect();
+        let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
+        let mut frame = [[0.0005; 4]; 4];
+        (0..4).for_each(|r| frame[r][r] = 0.001);
+        let process = Process::fit(coded, &rows, &[frame], None).unwrap();
+        // Absent, strong, and the frictions of either.
+        for z in [[0.3, 0.0], [-1.4, 0.0], [1.9, 0.0], [1.7, 3.6], [2.1, 3.8]] {
+            let local = process.moments(&z, &[frame]);
+            let (mean, covariance) = local.at[0];
+            let sd = (covariance[0][0] + local.shared[0][0].powi(2)).sqrt();
+            assert!((mean[0] - surface(&z)).abs() < 0.15, "{z:?} {} {}", mean[0], surface(&z));
+            assert!((mean[0] - surface(&z)).abs() < 3.0 * sd && sd < 0.2, "{z:?} {sd}");
+        }
+        // Between them nothing is known to a tenth of a degree, and it is said.
+        let (_, covariance) = process.moments(&[-2.0, 3.0], &[frame]).at[0];
+        assert!(covariance[0][0].sqrt() > 0.5);
+    }
+}
