@@ -36,6 +36,11 @@ const STEPS: &[Step] = &[
     },
     Step {
         name: "main job",
+        args: &["run", "--release", "--quiet", "--", "close-loop", "--out", "target/ci-loop"],
+        env: &[],
+    },
+    Step {
+        name: "calibration",
         args: &[
             "run",
             "--release",

@@ -502,10 +502,7 @@ impl State<'_> {
                 ));
             }
         }
-        let made = self.runs.made;
         let runs = self.runs.all(Stage::Filming, &rigs, watch)?;
-        // Filming again is no run.
-        self.runs.made = made;
         let knots = self.setup.knots.len();
         let (mut first, mut second) = (vec![[0.0; 4]; knots], vec![[0.0; 4]; knots]);
         let mut slopes: Vec<Vec<[f64; 4]>> = Vec::new();

@@ -48,13 +48,15 @@ impl<'a> Runs<'a> {
         let list: Vec<Rig> = rigs.iter().map(|(_, rig)| rig.clone()).collect();
         let (mut done, of) = (0, list.len());
         let made = self.made;
+        // Filming a motion again is no run.
+        let counts = usize::from(stage != Stage::Filming);
         watch(&Told { stage, done, of, runs: made, cost_s: None });
         let results = self.lab.run(&list, |d| {
             done += 1;
             let cost_s = d.run.ok().filter(|_| !d.kept).map(|r| r.cost_s);
-            watch(&Told { stage, done, of, runs: made + done, cost_s });
+            watch(&Told { stage, done, of, runs: made + counts * done, cost_s });
         });
-        self.made += of;
+        self.made += counts * of;
         let mut runs = Vec::new();
         for (result, (label, _)) in results.into_iter().zip(rigs) {
             match result {

@@ -87,6 +87,7 @@ fn raw_slopes(
 }
 
 /// Predictions of the same points by two models.
+#[derive(Default)]
 pub(super) struct Compared {
     pub(super) before: Vec<Predicted>,
     pub(super) after: Vec<Predicted>,
@@ -94,6 +95,13 @@ pub(super) struct Compared {
 }
 
 impl Compared {
+    /// Take in the points of another set.
+    pub(super) fn join(&mut self, other: Self) {
+        self.before.extend(other.before);
+        self.after.extend(other.after);
+        self.folds += other.folds;
+    }
+
     /// Mean over the points of the squared error in standard deviations, before less after.
     pub(super) fn gain(&self) -> Option<f64> {
         let n = self.before.len();

@@ -119,13 +119,16 @@ impl Judged<'_> {
         strengths.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6)
     }
 
-    /// Held-out errors against the base: the gain at one speed left out (else of the given set).
+    /// Held-out errors against the base: the gain at one speed left out (else of the given set). All speeds
+    /// that were not fitted, left out or given, are judged together: the noise of one alone would refuse
+    /// every third true effect that is weak.
     fn judge_held_out(
         &mut self,
         case: &Case<'_, '_>,
         base: &Settled,
         folds: &[Folds],
     ) -> Result<(), CalibError> {
+        let mut all = Compared::default();
         for set in folds {
             let compared = set.compare((&case.base, base), (&self.model, &self.fit))?;
             if set.kind == "both ends" {
@@ -138,18 +141,14 @@ impl Judged<'_> {
                 }
                 continue;
             }
-            let gain = compared.gain();
-            self.gain = self.gain.or(gain);
-            if gain.is_some_and(|g| !(g > 0.0)) {
-                self.objections.push(format!("no better at held-out speeds ({})", set.kind));
-                self.explains = false;
-            }
-            for r in compared.worsened() {
-                if !self.worsens.contains(&r.column()) {
-                    self.worsens.push(r.column());
-                }
-            }
+            self.gain = self.gain.or(compared.gain());
+            all.join(compared);
         }
+        if all.gain().is_some_and(|g| !(g > 0.0)) {
+            self.objections.push("no better at held-out speeds".to_owned());
+            self.explains = false;
+        }
+        self.worsens = all.worsened().iter().map(|r| r.column()).collect();
         if !self.worsens.is_empty() {
             self.objections.push(format!(
                 "worsens {} at held-out speeds by more than one standard deviation",

@@ -20,7 +20,7 @@ use crate::report::closing::{Closed, page};
 const SIMULATING: f64 = 0.8;
 
 /// Runs for the embedded drum: about two minutes on two cores.
-const EMBEDDED_RUNS: usize = 45;
+const EMBEDDED_RUNS: usize = 55;
 
 #[derive(Serialize)]
 struct Gate {
@@ -214,4 +214,21 @@ fn print(outcome: &Outcome, printed: &Printed<'_>) {
 /// Whether an error is the input's fault.
 pub(crate) fn is_input_fault(e: &CloseLoopError) -> bool {
     !matches!(e, CloseLoopError::Stopped)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_runs_of_the_embedded_drum_are_enough_for_its_plan() {
+        let text = input::case_text(None).unwrap();
+        let case = Case::parse(&text.case.name, &text.case.text).unwrap();
+        let measured = MeasuredTable::parse(&text.measured.name, &text.measured.text).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+        let settings = LoopSettings { runs: Some(EMBEDDED_RUNS), ..LoopSettings::default() };
+        let this = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+        assert!(this.planned().unwrap() <= EMBEDDED_RUNS);
+    }
 }
