@@ -87,7 +87,7 @@ fn raw_slopes(
 }
 
 /// Predictions of the same points by two models.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Compared {
     pub(super) before: Vec<Predicted>,
     pub(super) after: Vec<Predicted>,
@@ -95,6 +95,12 @@ pub(super) struct Compared {
 }
 
 impl Compared {
+    /// Most points of one response.
+    pub(super) fn speeds(&self) -> usize {
+        let of = |r: &Response| self.before.iter().filter(|p| p.response == *r).count();
+        Response::ALL.iter().map(of).max().unwrap_or(0)
+    }
+
     /// Take in the points of another set.
     pub(super) fn join(&mut self, other: Self) {
         self.before.extend(other.before);

@@ -119,9 +119,9 @@ impl Judged<'_> {
         strengths.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6)
     }
 
-    /// Held-out errors against the base: the gain at one speed left out (else of the given set). All speeds
-    /// that were not fitted, left out or given, are judged together: the noise of one alone would refuse
-    /// every third true effect that is weak.
+    /// Held-out errors against the base: the gain at one speed left out (else of the given set). A set of
+    /// three speeds or more is judged of itself; fewer, given beside speeds left out, only together with
+    /// them: the noise of one alone would refuse every third true effect that is weak.
     fn judge_held_out(
         &mut self,
         case: &Case<'_, '_>,
@@ -142,13 +142,19 @@ impl Judged<'_> {
                 continue;
             }
             self.gain = self.gain.or(compared.gain());
-            all.join(compared);
+            let of_itself = compared.speeds() >= LEAST_SPEEDS;
+            all.join(compared.clone());
+            let judged = if of_itself { &compared } else { &all };
+            if judged.gain().is_some_and(|g| !(g > 0.0)) {
+                self.objections.push(format!("no better at held-out speeds ({})", set.kind));
+                self.explains = false;
+            }
+            for r in judged.worsened() {
+                if !self.worsens.contains(&r.column()) {
+                    self.worsens.push(r.column());
+                }
+            }
         }
-        if all.gain().is_some_and(|g| !(g > 0.0)) {
-            self.objections.push("no better at held-out speeds".to_owned());
-            self.explains = false;
-        }
-        self.worsens = all.worsened().iter().map(|r| r.column()).collect();
         if !self.worsens.is_empty() {
             self.objections.push(format!(
                 "worsens {} at held-out speeds by more than one standard deviation",
