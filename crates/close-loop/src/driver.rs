@@ -85,7 +85,7 @@ pub(crate) struct State<'a> {
     pub(crate) pairs: BTreeMap<[String; 2], Vec<Sample>>,
     curves: BTreeMap<String, Change>,
     pub(crate) theta: Vec<f64>,
-    bias: Option<Vec<Shift>>,
+    pub(crate) bias: Option<Vec<Shift>>,
     modes: Vec<Vec<[f64; 4]>>,
 }
 

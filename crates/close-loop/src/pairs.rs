@@ -190,7 +190,13 @@ impl State<'_> {
 
     /// Take fresh runs into the models of their effects.
     pub(crate) fn learn(&mut self, learned: Vec<(Vec<String>, Vec<Sample>)>) {
-        for (names, samples) in learned {
+        for (names, mut samples) in learned {
+            // Fresh runs are of the rig itself, the models are of its stand-in.
+            for (k, (shift, _)) in self.bias.iter().flatten().enumerate() {
+                for sample in &mut samples {
+                    sample.mean[k].iter_mut().zip(shift).for_each(|(m, b)| *m -= b);
+                }
+            }
             let known = match &names[..] {
                 [name] => self.effects.get_mut(name),
                 [a, b] => self.pairs.get_mut(&[a.clone(), b.clone()]),
