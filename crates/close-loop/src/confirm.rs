@@ -284,10 +284,8 @@ fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair:
     let named: Vec<String> = strengths
         .iter()
         .map(|s| {
-            format!(
-                "{} = {:.3} ({:.3} to {:.3}; the rig has {:.3})",
-                s.name, s.value, s.lo, s.hi, s.null
-            )
+            let [value, lo, hi, null] = [s.value, s.lo, s.hi, s.null].map(figures);
+            format!("{} = {value} ({lo} to {hi}; the rig has {null})", s.name)
         })
         .collect();
     match verdict {
@@ -312,6 +310,12 @@ fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair:
             finding.gate.chi2, finding.gate.dof, finding.gate.p_combined
         ),
     }
+}
+
+/// A value with three figures that count.
+fn figures(value: f64) -> String {
+    let size = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    format!("{value:.*}", (2.0 - size).clamp(0.0, 9.0) as usize)
 }
 
 fn assumed(this: &CloseLoop<'_>, state: &State<'_>, refuted: usize) -> Vec<String> {
@@ -355,4 +359,15 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, refuted: usize) -> Vec<Strin
         all.push(format!("{}: prior {} +- {} ({}).", n.path, n.mean, n.sd, n.reason));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::figures;
+
+    #[test]
+    fn strengths_are_written_with_three_figures() {
+        let all = [8551.63, 0.00341, -1.6142, 0.0, 12.0].map(figures);
+        assert_eq!(all, ["8552", "0.00341", "-1.61", "0.00", "12.0"]);
+    }
 }

@@ -127,10 +127,11 @@ fn errors(o: &Outcome) -> Section {
     }));
     let chi = |name: &str, s: &Side| {
         format!(
-            "{name}: chi-square {} with {} degrees of freedom at the fitted speeds, p = {}",
+            "{name}: chi-square {} with {} degrees of freedom at the fitted speeds, p = {}; with those held out p = {}",
             short(s.errors.chi2),
             s.errors.dof,
-            short(s.errors.p)
+            short(s.errors.p),
+            short(s.errors.p_all)
         )
     };
     let mut facts = vec![chi("Before", &o.before)];
@@ -215,14 +216,12 @@ fn candidates(o: &Outcome) -> Section {
             Row {
                 cells: vec![
                     r.name.clone(),
-                    format!("{:?}", r.layer).to_lowercase(),
                     short(r.strength.value),
                     format!("{} to {}", end(r.strength.lo), end(r.strength.hi)),
                     short(r.improvement),
                     short(r.p_family),
                     short(r.p_absolute),
                     short(r.evidence),
-                    r.objections.join("; "),
                 ],
                 flagged: false,
                 strong: o.members.contains(&r.name),
@@ -234,17 +233,22 @@ fn candidates(o: &Outcome) -> Section {
         caption: "Each effect fitted together with the free parameters".to_owned(),
         columns: vec![
             Column::text("effect"),
-            Column::text("layer"),
             Column::number("strength", ""),
             Column::text("95 %"),
             Column::number("chi-square gained", ""),
             Column::number("p of the gain", "family"),
             Column::number("p of the fit", ""),
             Column::number("posterior", ""),
-            Column::text("objections"),
         ],
         rows,
     }));
+    let objections = o.finding.ranked.iter().filter(|r| !r.objections.is_empty());
+    let objections: Vec<String> =
+        objections.map(|r| format!("{}: {}", r.name, r.objections.join("; "))).collect();
+    if !objections.is_empty() {
+        let why = "Why the others are not named".to_owned();
+        section.blocks.push(Block::Folded(why, vec![Block::List(objections)]));
+    }
     if !o.left_out.is_empty() {
         let all = o.left_out.iter().map(|(p, why)| format!("{p}: {why}")).collect();
         section
