@@ -71,9 +71,9 @@ pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
 }
 
 /// Time between two frames of nature, s.
-const INTERVAL_S: f64 = 0.15;
+pub(crate) const INTERVAL_S: f64 = 0.15;
 /// A finer picture than any fit uses.
-const RESOLUTION: Resolution = Resolution { width_px: 640, most_sub_frames: 12 };
+pub(crate) const RESOLUTION: Resolution = Resolution { width_px: 640, most_sub_frames: 12 };
 
 /// Where nature happens.
 pub(crate) fn nature_lab(folder: &Path, jobs: usize) -> anyhow::Result<Laboratory> {

@@ -5,6 +5,7 @@
 //! on every case, writes its answer, and only then opens the truth. `nulls` counts false alarms on
 //! many simulated drums that lack nothing.
 
+mod codes;
 mod drums;
 mod elsewhere;
 mod make;
@@ -53,6 +54,12 @@ enum Task {
     },
     /// The thesis's twelve configurations with the tables of EDEM: docs/src/closing-the-thesis.md.
     Thesis,
+    /// What the code itself changes: the same drums by Tumble, by Tumble at half the step, and by LIGGGHTS.
+    Codes {
+        /// Fillings of each of three frictions.
+        #[arg(long, default_value_t = 2)]
+        fillings: u64,
+    },
     /// False alarms on simulated drums that lack nothing.
     Nulls {
         /// Drums.
@@ -73,6 +80,7 @@ pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
     };
     match &blind.task {
         Task::Thesis => thesis::run(),
+        Task::Codes { fillings } => codes::run(&folder, *fillings, blind.jobs),
         Task::Make { seed } => make::run(&folder, *seed, blind.jobs),
         Task::Score { runs, only, json } => {
             score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)

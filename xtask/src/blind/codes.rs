@@ -1,0 +1,95 @@
+//! What the code itself changes: the same drums by Tumble and by LIGGGHTS, nothing missing in either.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::Context;
+use close_loop::campaign::Run;
+use close_loop::rig_schema::{Response, Rig};
+
+use super::elsewhere;
+use super::make::{INTERVAL_S, RESOLUTION, nature, nature_lab};
+use super::sealed::Truth;
+use crate::peers::code::locate;
+
+/// Frictions between particles of the matched drums.
+const FRICTIONS: [f64; 3] = [0.3, 0.45, 0.6];
+
+/// A drum that lacks nothing, in another filling for each `number`, with the step of the blind study times
+/// `step`.
+fn drum(friction: f64, number: u64, step: f64) -> anyhow::Result<Rig> {
+    let truth = Truth {
+        case: String::new(),
+        kind: "null".to_owned(),
+        code: String::new(),
+        frictions: vec![("friction.pp".to_owned(), friction)],
+        effects: Vec::new(),
+    };
+    let mut rig = nature(&truth, 700_000 + number)?;
+    let own = rig.settings.value("step.scale").unwrap_or(1.0);
+    rig.settings
+        .set("step.scale", own * step)
+        .map_err(|_| anyhow::anyhow!("step.scale {step} is refused"))?;
+    Ok(rig)
+}
+
+/// Mean and standard error of the differences of paired runs, by speed and response.
+fn difference(a: &[Run], b: &[Run]) -> Vec<[(f64, f64); 4]> {
+    let n = a.len() as f64;
+    let speeds = a.first().map_or(0, |r| r.speeds.len());
+    let one = |k: usize, r: usize| {
+        let each: Vec<f64> =
+            a.iter().zip(b).map(|(a, b)| a.speeds[k].mean[r] - b.speeds[k].mean[r]).collect();
+        let mean = each.iter().sum::<f64>() / n;
+        let square = each.iter().map(|d| (d - mean).powi(2)).sum::<f64>();
+        (mean, (square / (n - 1.0) / n).sqrt())
+    };
+    (0..speeds).map(|k| std::array::from_fn(|r| one(k, r))).collect()
+}
+
+pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<()> {
+    let program = locate("TUMBLE_LIGGGHTS", "liggghts").map_err(|e| anyhow::anyhow!(e))?;
+    anyhow::ensure!(fillings >= 1, "--fillings is 1 or more");
+    let lab = nature_lab(folder, jobs)?;
+    let mut own = Vec::new();
+    let mut fine = Vec::new();
+    let mut other = Vec::new();
+    let mut speeds = Vec::new();
+    for (k, friction) in FRICTIONS.into_iter().enumerate() {
+        for filling in 0..fillings {
+            let number = 100 * k as u64 + filling;
+            let rig = drum(friction, number, 1.0)?;
+            speeds.clone_from(&rig.run.speeds_rpm);
+            let rigs = [rig, drum(friction, number, 0.5)?];
+            let runs = lab.run(&rigs, |_| ()).into_iter().collect::<Result<Vec<_>, _>>()?;
+            let [first, half]: [Run; 2] =
+                runs.try_into().map_err(|_| anyhow::anyhow!("two runs were asked for"))?;
+            let deck = folder.join("codes").join(format!("{friction}-{filling}"));
+            let theirs = elsewhere::run(&program, &rigs[0], &deck, INTERVAL_S, RESOLUTION)
+                .with_context(|| format!("friction {friction}, filling {filling}"))?;
+            println!("friction {friction}, filling {filling}");
+            own.push(first);
+            fine.push(half);
+            other.push(theirs);
+        }
+    }
+    println!("{}", table("LIGGGHTS less Tumble", &speeds, &difference(&other, &own)));
+    println!("{}", table("Half the step less the step", &speeds, &difference(&fine, &own)));
+    Ok(())
+}
+
+fn table(title: &str, speeds: &[f64], all: &[[(f64, f64); 4]]) -> String {
+    let mut text = format!("| {title}, rpm |");
+    for r in Response::ALL {
+        let _ = write!(text, " {} |", r.column());
+    }
+    text.push_str("\n|---|---|---|---|---|\n");
+    for (speed, four) in speeds.iter().zip(all) {
+        let _ = write!(text, "| {speed} |");
+        for (mean, error) in four {
+            let _ = write!(text, " {mean:+.2} ± {error:.2} |");
+        }
+        text.push('\n');
+    }
+    text
+}
