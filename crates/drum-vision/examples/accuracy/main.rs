@@ -3,7 +3,7 @@
 //! `cargo run --release -p drum-vision --example accuracy -- [FRAMES] [WIDTH] [FIRST]`
 //!
 //! FRAMES clean and as many degraded frames of drum-film (200 each by default), WIDTH pixels wide, numbered from FIRST
-//! (7000 by default; the weights of the uncertainty were fitted on numbers from 110000 to 130099), then the hundred
+//! (7000 by default; VALIDATION.md names those on which the weights of the uncertainty were fitted), then the hundred
 //! frames of the independent renderer where the fixtures are at hand. VERBOSE=1 lists the worst frames, OUT=FOLDER
 //! keeps the drawn ones, JSON=FILE writes every frame (errors, uncertainties with their components, warnings) and
 //! the summary for machines.

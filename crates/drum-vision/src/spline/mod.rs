@@ -2,9 +2,12 @@
 //!
 //! P-splines (P. H. C. Eilers, B. D. Marx, Stat. Sci. 11 (1996) 89): equally spaced cubic B-splines, squared second
 //! differences of their coefficients times `lambda`; `lambda` by generalised cross-validation over a
-//! grid of powers of ten; outliers by biweights (Tukey, c = 4.685).
+//! grid of powers of ten; outliers by biweights (Tukey, c = 4.685). Ends that bend strongly are loosened.
+
+mod ends;
 
 use crate::linear::{Banded, BandedFactor};
+use ends::Task;
 
 /// A cubic spline over an interval, continued linearly beyond its ends.
 #[derive(Clone, Debug)]
@@ -25,6 +28,8 @@ pub struct Smoothed {
     pub residuals: Vec<f64>,
     /// Robust scatter of the residuals.
     pub scatter: f64,
+    /// What a looser curve would add at the left and at the right end (in full, whether or not the curve was loosened there).
+    pub turns: [Spline; 2],
 }
 
 impl Spline {
@@ -89,28 +94,30 @@ pub fn smooth(x: &[f64], y: &[f64], pieces: usize) -> Option<Smoothed> {
 pub fn smooth_weighted(x: &[f64], y: &[f64], accepted: &[bool], pieces: usize) -> Option<Smoothed> {
     let (n, blank, rows) = basis_rows(x, y, pieces)?;
     let size = blank.coefficients.len();
-    let mut weights: Vec<f64> = accepted.iter().map(|&a| f64::from(u8::from(a))).collect();
+    let weights: Vec<f64> = accepted.iter().map(|&a| f64::from(u8::from(a))).collect();
     if weights.iter().sum::<f64>() < 8.0 {
         return None;
     }
-    let mut residuals = vec![0.0; n];
-    let mut spline = blank;
-    let mut scatter = 0.0;
+    let mut task = Task {
+        rows: &rows,
+        y,
+        accepted,
+        spline: blank,
+        weights,
+        residuals: vec![0.0; n],
+        scatter: 0.0,
+    };
     let mut lambda = None;
     for round in 0..8 {
         // The smoothness is chosen twice: at first, and when outliers have lost their weight.
         if round == 0 || round == 4 {
-            lambda = choose_lambda(&rows, y, &weights, size);
+            lambda = choose_lambda(&rows, y, &task.weights, size);
         }
-        spline.coefficients = fit(&rows, y, &weights, size, lambda?)?.0;
-        scatter = fill_residuals(&rows, y, &spline, &weights, &mut residuals);
-        let cut = 4.685 * scatter.max(1e-3 * spline.piece).max(1e-9);
-        for ((w, r), &a) in weights.iter_mut().zip(&residuals).zip(accepted) {
-            let t = r / cut;
-            *w = if a && t.abs() < 1.0 { (1.0 - t * t).powi(2) } else { 0.0 };
-        }
+        task.step(Stiffness::even(lambda?), false)?;
     }
-    Some(Smoothed { spline, weights, residuals, scatter })
+    let turns = ends::loosen(&mut task, lambda?)?;
+    let Task { spline, weights, residuals, scatter, .. } = task;
+    Some(Smoothed { spline, weights, residuals, scatter, turns })
 }
 
 /// Which points lie near a stiff curve of few pieces that minimises the sum of moduli of the residuals.
@@ -129,7 +136,7 @@ pub fn near_stiff_curve(x: &[f64], y: &[f64], pieces: usize, least: f64, share: 
     let mut residuals = vec![0.0; n];
     let mut scatter = 0.0;
     for _ in 0..40 {
-        let stiffness = 1e-4 * weights.iter().sum::<f64>() / size as f64;
+        let stiffness = Stiffness::even(1e-4 * weights.iter().sum::<f64>() / size as f64);
         let Some((c, _)) = fit(&rows, y, &weights, size, stiffness) else {
             return keep_all;
         };
@@ -181,6 +188,19 @@ fn fill_residuals(
     1.4826 * crate::drum::circle_fit::median_modulus(used)
 }
 
+/// Penalty on bending: `lambda`, times a factor at either end.
+#[derive(Clone, Copy, Debug)]
+struct Stiffness {
+    lambda: f64,
+    ends: [f64; 2],
+}
+
+impl Stiffness {
+    fn even(lambda: f64) -> Self {
+        Self { lambda, ends: [1.0; 2] }
+    }
+}
+
 type Fit = (Vec<f64>, BandedFactor);
 
 fn fit(
@@ -188,7 +208,7 @@ fn fit(
     y: &[f64],
     weights: &[f64],
     size: usize,
-    lambda: f64,
+    stiffness: Stiffness,
 ) -> Option<Fit> {
     let mut a = Banded::zeros(size, 3);
     let mut b = vec![0.0; size];
@@ -202,6 +222,7 @@ fn fit(
     }
     for k in 0..size - 2 {
         let d = [1.0, -2.0, 1.0];
+        let lambda = stiffness.lambda * ends::looseness(stiffness.ends, k, size - 2);
         for i in 0..3 {
             for j in 0..=i {
                 a.add(k + i, k + j, lambda * d[i] * d[j]);
@@ -225,7 +246,7 @@ fn choose_lambda(
     let mut best: Option<(f64, f64)> = None;
     for power in -2..=5 {
         let lambda = 10f64.powi(power) * n / size as f64 * 0.1;
-        let (c, factor) = fit(rows, y, weights, size, lambda)?;
+        let (c, factor) = fit(rows, y, weights, size, Stiffness::even(lambda))?;
         let mut misfit = 0.0;
         for (((k, basis), &v), &w) in rows.iter().zip(y).zip(weights) {
             let r = v - (0..4).map(|d| basis[d] * c[k + d]).sum::<f64>();
@@ -285,5 +306,19 @@ mod tests {
         let h = 1e-4;
         let slope = (s.spline.value(40.0 + h) - s.spline.value(40.0 - h)) / (2.0 * h);
         assert!((s.spline.slope(40.0) - slope).abs() < 1e-6);
+    }
+
+    #[test]
+    fn an_end_that_levels_off_is_followed() {
+        // A straight rise of 1 that levels off within the last tenth, with a ripple of 0.1: a bend of 45 deg.
+        let x: Vec<f64> = (0..600).map(f64::from).collect();
+        let truth = |x: f64| if x < 540.0 { x } else { x - (x - 540.0).powi(2) / 120.0 };
+        let y: Vec<f64> = x.iter().map(|&v| truth(v) + 0.1 * (2.1 * v).sin()).collect();
+        let s = smooth(&x, &y, 20).unwrap();
+        let error = |v: f64| s.spline.value(v) - truth(v);
+        assert!(error(599.0).abs() < 0.4, "{}", error(599.0));
+        assert!(error(300.0).abs() < 0.1 && error(0.0).abs() < 0.1);
+        // The straight end needs no turn.
+        assert!(s.turns[0].value(0.0).abs() < 0.1, "{}", s.turns[0].value(0.0));
     }
 }
