@@ -1,6 +1,6 @@
 //! Models of effects whose strength is a coordinate.
 
-use calib::attribution::Finding;
+use calib::attribution::{Finding, Strength};
 use calib::{CalibError, Predicted, Simulator};
 
 use crate::catalogue::Effect;
@@ -64,6 +64,13 @@ impl Coded {
         self.effects[0].strength(v)
     }
 
+    /// A strength with its interval from coordinates to values.
+    fn profile(&self, of: Strength) -> Strength {
+        let [lo, hi] = [of.lo, of.hi].map(|end| end.map(|v| self.strength(v)));
+        let (lo, hi) = if self.effects[0].unit < 0.0 { (hi, lo) } else { (lo, hi) };
+        Strength { value: self.strength(of.value), lo, hi }
+    }
+
     /// Parameters with strengths in place of coordinates.
     pub(crate) fn decoded(&self, theta: &[f64]) -> Vec<f64> {
         let mut at = theta.to_vec();
@@ -105,10 +112,7 @@ pub(crate) fn decode(finding: &mut Finding, models: &[(&Effect, Coded)]) {
     let model = |name: &str| models.iter().find(|(e, _)| e.path == name).map(|(_, m)| m);
     for r in &mut finding.ranked {
         let Some(m) = model(&r.name) else { continue };
-        let turned = m.effects[0].unit < 0.0;
-        r.strength.value = m.strength(r.strength.value);
-        let ends = [r.strength.lo, r.strength.hi].map(|e| e.map(|v| m.strength(v)));
-        [r.strength.lo, r.strength.hi] = if turned { [ends[1], ends[0]] } else { ends };
+        r.strength = m.profile(r.strength);
         if let Some(v) = r.fit.theta.last_mut() {
             *v = m.strength(*v);
         }
@@ -120,7 +124,7 @@ pub(crate) fn decode(finding: &mut Finding, models: &[(&Effect, Coded)]) {
     for p in &mut finding.pairs {
         for (name, s) in p.names.iter().zip(&mut p.strengths) {
             if let Some(m) = model(name) {
-                *s = m.strength(*s);
+                *s = m.profile(*s);
             }
         }
     }

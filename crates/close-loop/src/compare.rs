@@ -1,7 +1,7 @@
 //! Two models at the same observations: their errors, and what the second one removes.
 
 use calib::Observation;
-use calib::attribution::Finding;
+use calib::attribution::{Finding, Verdict};
 use rig_schema::Response;
 
 use crate::catalogue::Effect;
@@ -73,7 +73,7 @@ pub(crate) fn removed(
     (above > 0.0).then(|| ((mean(before) - mean(after).max(1.0)) / above).min(1.0))
 }
 
-/// Strengths of the effects that were named.
+/// Strengths of the effects that were named: each alone, or two together.
 pub(crate) fn strengths(
     effects: &[Effect],
     finding: &Finding,
@@ -81,14 +81,21 @@ pub(crate) fn strengths(
 ) -> Vec<StrengthOf> {
     let one = |name: &String| {
         let effect = effects.iter().find(|e| e.path == *name)?;
-        let r = finding.ranked.iter().find(|r| r.name == *name)?;
+        let of_pair = || {
+            let pair = finding.pairs.iter().find(|p| p.names[..] == *names)?;
+            let place = pair.names.iter().position(|n| n == name)?;
+            Some(pair.strengths[place])
+        };
+        let alone = || finding.ranked.iter().find(|r| r.name == *name).map(|r| r.strength);
+        let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
+        let s = if is_pair { of_pair()? } else { alone()? };
         Some(StrengthOf {
             name: name.clone(),
             meaning: effect.meaning.clone(),
             null: effect.null,
-            value: r.strength.value,
-            lo: r.strength.lo.unwrap_or(effect.range.0),
-            hi: r.strength.hi.unwrap_or(effect.range.1),
+            value: s.value,
+            lo: s.lo.unwrap_or(effect.range.0),
+            hi: s.hi.unwrap_or(effect.range.1),
         })
     };
     names.iter().filter_map(one).collect()

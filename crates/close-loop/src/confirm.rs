@@ -66,7 +66,7 @@ pub(crate) fn outcome(
         if let Some(p) = finding.pairs.iter().find(|p| p.names[..] == names[..]) {
             let free = state.setup.free.len();
             let theta = p.fit.theta[..free.min(p.fit.theta.len())].to_vec();
-            let with = effects_at(state, &p.names, &p.strengths);
+            let with = effects_at(state, &p.names, &p.strengths.map(|s| s.value));
             after = fresh(state, &base, &theta, &with, round, watch)?;
             let samples = after.as_ref().map(|a| a.samples.clone());
             learned.push((names.clone(), samples.unwrap_or_default()));

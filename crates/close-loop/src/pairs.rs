@@ -164,7 +164,7 @@ impl State<'_> {
             .into_iter()
             .zip(fit.strengths)
             .filter(|(e, _)| is_simulated(e))
-            .filter_map(|(e, v)| Some((e, coded(e)?.strength(v))))
+            .filter_map(|(e, v)| Some((e, coded(e)?.strength(v.value))))
             .collect();
         let at: Vec<f64> = theta.iter().copied().chain(simulated.iter().map(|(_, s)| *s)).collect();
         let effects: Vec<Effect> = simulated.iter().map(|(e, _)| (*e).clone()).collect();

@@ -157,8 +157,8 @@ pub struct PairFit {
     pub names: [String; 2],
     /// The fit.
     pub fit: Fit,
-    /// Strengths of both.
-    pub strengths: [f64; 2],
+    /// Strengths of both with 95 % intervals from the curvature.
+    pub strengths: [Strength; 2],
     /// As [`Ranked::held_out_gain`], over the base.
     pub held_out_gain: Option<f64>,
     /// Mean squared error at the lowest and highest speed when both are left out, in squared

@@ -9,11 +9,11 @@ use super::signature::{classes, cosines, detectable, signatures};
 use super::solver::Settled;
 use super::stability::{self, overturn};
 use super::{
-    Attribution, Evidence, Finding, Fit, HeldOut, PairFit, Ranked, ResidualPoint, Verdict,
+    Attribution, Evidence, Finding, Fit, HeldOut, PairFit, Ranked, ResidualPoint, Strength, Verdict,
 };
 use crate::attribution::data::Variation;
 use crate::attribution::linear::covariance;
-use crate::{CalibError, chi_square_p};
+use crate::{CalibError, chi_square_p, upper_quantile};
 
 /// The whole finding.
 pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibError> {
@@ -110,10 +110,18 @@ fn pair_fit(
 ) -> Result<PairFit, CalibError> {
     let d = judged.model.frictions();
     let name = |k: usize| case.attribution.candidates[judged.of[k]].name.clone();
+    let fit = report_fit(case, &judged.model, &judged.fit)?;
+    let strength = |k: usize| {
+        let (value, (low, high)) = (fit.theta[d + k], judged.model.ranges[d + k]);
+        let half = fit.sd[d + k].map(|sd| upper_quantile(0.95).sqrt() * sd);
+        let lo = half.map(|h| value - h).filter(|v| *v > low);
+        let hi = half.map(|h| value + h).filter(|v| *v < high);
+        Strength { value, lo, hi }
+    };
     Ok(PairFit {
         names: [name(0), name(1)],
-        fit: report_fit(case, &judged.model, &judged.fit)?,
-        strengths: [judged.fit.theta[d], judged.fit.theta[d + 1]],
+        strengths: [strength(0), strength(1)],
+        fit,
         held_out_gain: judged.gain,
         at_ends: judged.at_ends,
         eligible,
