@@ -2,7 +2,7 @@
 //! as long as nobody knows what it does there.
 
 use calib::CalibError;
-use calib::attribution::Settings;
+use calib::attribution::{NEAR_END, Settings};
 
 use crate::catalogue::Effect;
 use crate::coded::Model;
@@ -91,7 +91,7 @@ impl State<'_> {
                     // A reading at the end of its range stands for something else.
                     let (low, high) = coded.range(effect.range);
                     let v = fit.theta.last().map_or(0.0, |v| (v - low) / (high - low));
-                    if !(1e-3..=1.0 - 1e-3).contains(&v) {
+                    if !(NEAR_END..=1.0 - NEAR_END).contains(&v) {
                         continue;
                     }
                     false

@@ -26,6 +26,8 @@ pub use finding::{
     NextExperiment, Overturn, PairFit, Ranked, ResidualPoint, StabilityRow, Strength, Verdict,
 };
 
+pub use ranking::NEAR_END;
+
 use crate::{CalibError, Observations, Problem};
 
 /// Everything that an attribution needs.

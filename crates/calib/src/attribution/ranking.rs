@@ -20,6 +20,10 @@ const LEAST_SPEEDS: usize = 3;
 /// Least number of speeds at which both ends can be left out.
 const LEAST_FOR_ENDS: usize = 5;
 
+/// Share of its range within which the strength of a reading or of a camera stands at an end: what stands
+/// there is no name ([`Ranked::objections`](super::Ranked)).
+pub const NEAR_END: f64 = 0.02;
+
 /// How much better than the level a pair must fit.
 const PAIR_FACTOR: f64 = 10.0;
 
@@ -110,7 +114,7 @@ impl Judged<'_> {
             matches!(layer, Layer::Camera | Layer::Measurement)
         };
         let unit = self.fit.point.unit[self.model.frictions()];
-        self.of.first().is_some_and(reading) && !(1e-3..=1.0 - 1e-3).contains(&unit)
+        self.of.first().is_some_and(reading) && !(NEAR_END..=1.0 - NEAR_END).contains(&unit)
     }
 
     /// Whether no strength is absent or at an end of its range.
