@@ -71,6 +71,7 @@ fn main() -> Result<(), CalibError> {
         range: (0.0, 1.0),
         layer: if name.starts_with("camera") { Layer::Camera } else { Layer::Physics },
         prior: 1.0,
+        strength_sd: None,
         exposed_by: "an experiment of its own".to_owned(),
         meaning: "an effect of this example".to_owned(),
     });

@@ -81,6 +81,12 @@ impl Coded {
         at
     }
 
+    /// A small change of the first strength about "absent", as a coordinate.
+    pub(crate) fn change(&self, by: f64) -> f64 {
+        let own = self.effects[0];
+        ((own.scale.forth(own.null + by) - own.scale.forth(own.null)) / own.unit).abs()
+    }
+
     pub(crate) fn range(&self, (low, high): (f64, f64)) -> (f64, f64) {
         let own = self.effects[0];
         let code = |s: f64| (own.scale.forth(s) - own.scale.forth(own.null)) / own.unit;

@@ -16,7 +16,7 @@ use crate::runs::{rig_at, rig_with, sample};
 
 /// Level below which fresh runs contradict the winner, at fitted and held-out speeds together. A right
 /// answer that falls below it by chance is simulated again, so the level costs runs, not answers.
-const CONTRADICTED: f64 = 5e-3;
+const CONTRADICTED: f64 = 1e-3;
 
 /// Fillings from one round of fresh runs to the next.
 const ROUND: usize = 1000;

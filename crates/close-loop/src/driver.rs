@@ -615,6 +615,7 @@ impl State<'_> {
                 simulator: model,
                 null: 0.0,
                 range: model.range(effect.range),
+                strength_sd: reading_sd(&effect.path).map(|sd| model.change(sd)),
                 layer: effect.layer,
                 prior: effect.prior,
                 exposed_by: effect.exposed_by.clone(),
@@ -640,5 +641,19 @@ impl State<'_> {
         let mut finding = self.question(&base, &models, &pairs, settings).attribute()?;
         decode(&mut finding, &models);
         Ok(finding)
+    }
+}
+
+/// Size of an error of reading: a ring is found to a fraction of a percent and lines agree between readers to
+/// half a degree, so that twice as much is a standard deviation. A larger error costs what it is worth
+/// against an effect of physics that explains the data as well.
+fn reading_sd(path: &str) -> Option<f64> {
+    match path {
+        "measure.scale" => Some(0.01),
+        "measure.offset_x_pct"
+        | "measure.offset_y_pct"
+        | "measure.bias_lin_deg"
+        | "measure.bias_mid_deg" => Some(1.0),
+        _ => None,
     }
 }

@@ -123,6 +123,7 @@ pub fn close_with_table(
             range: e.range,
             layer: e.layer,
             prior: e.prior,
+            strength_sd: None,
             exposed_by: e.exposed_by.clone(),
             meaning: e.meaning.clone(),
         })

@@ -33,6 +33,9 @@ pub struct Candidate<'s> {
     /// Lowest and highest strength that is physically possible: the sign of an effect is a
     /// range that begins or ends at `null`.
     pub range: (f64, f64),
+    /// Prior standard deviation of the strength about `null`, for errors of known size such as those of
+    /// reading a picture; `None` if all strengths within `range` are as likely.
+    pub strength_sd: Option<f64>,
     /// Where it acts.
     pub layer: Layer,
     /// Prior weight relative to the other candidates.

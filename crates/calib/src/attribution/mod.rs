@@ -60,7 +60,7 @@ impl Attribution<'_> {
     }
 
     /// Best fit of the base, then of each candidate in the order given, without any test: for
-    /// choosing what to simulate next.
+    /// choosing what to simulate next. Their deviance holds what strengths cost by their priors.
     ///
     /// # Errors
     /// As [`Attribution::attribute`].

@@ -17,6 +17,9 @@ use crate::{CalibError, chi_square_p};
 /// Least number of speeds at which leaving one out says something of speeds.
 const LEAST_SPEEDS: usize = 3;
 
+/// Frictions, as parts of their ranges, from which a model with one effect is fitted as well.
+const OTHER_FRICTIONS: [f64; 3] = [0.15, 0.45, 0.75];
+
 /// Least number of speeds at which both ends can be left out.
 const LEAST_FOR_ENDS: usize = 5;
 
@@ -88,6 +91,8 @@ pub(super) struct Judged<'s> {
     pub(super) of: Vec<usize>,
     pub(super) model: Model<'s>,
     pub(super) fit: Settled,
+    /// Squared strengths in units of their prior standard deviations.
+    pub(super) penalty: f64,
     pub(super) p_absolute: f64,
     pub(super) p_single: f64,
     pub(super) p_family: f64,
@@ -102,6 +107,11 @@ pub(super) struct Judged<'s> {
 }
 
 impl Judged<'_> {
+    /// Deviance of the fit with what its strengths cost by their priors.
+    pub(super) fn deviance(&self) -> f64 {
+        self.fit.deviance() + self.penalty
+    }
+
     pub(super) fn dof(&self, case: &Case<'_, '_>) -> usize {
         case.data.len() - self.model.len()
     }
@@ -238,14 +248,14 @@ pub(super) fn decide<'s>(
 }
 
 fn sort(judged: &mut [Judged<'_>]) {
-    judged.sort_by(|a, b| a.fit.deviance().total_cmp(&b.fit.deviance()));
+    judged.sort_by(|a, b| a.deviance().total_cmp(&b.deviance()));
 }
 
 /// The best that is eligible, and all that explain the data as well.
 fn class_of(judged: &[Judged<'_>], within: f64) -> Vec<usize> {
     let Some(winner) = judged.iter().position(|j| j.eligible) else { return Vec::new() };
-    let limit = judged[winner].fit.deviance() + within;
-    let also = |i: &usize| judged[*i].explains && judged[*i].fit.deviance() <= limit;
+    let limit = judged[winner].deviance() + within;
+    let also = |i: &usize| judged[*i].explains && judged[*i].deviance() <= limit;
     let mut class: Vec<usize> = (0..judged.len()).filter(also).collect();
     class.sort_by_key(|i| (*i != winner, *i));
     class
@@ -260,17 +270,34 @@ pub(super) fn fit<'s>(
 ) -> Result<Judged<'s>, CalibError> {
     let absent = model.unit(&model.absent(&base.theta));
     let frictions = &absent[..model.frictions()];
-    let starts: Vec<Vec<f64>> = model
+    let mut starts: Vec<Vec<f64>> = model
         .strength_starts()
         .into_iter()
         .map(|s| frictions.iter().copied().chain(s).collect())
         .collect();
+    if of.len() == 1 {
+        // With a strong effect the best friction may lie far from that without it, beyond a worse optimum.
+        for friction in OTHER_FRICTIONS {
+            let elsewhere = |s: Vec<f64>| frictions.iter().map(|_| friction).chain(s).collect();
+            starts.extend(model.strength_starts().into_iter().skip(1).map(elsewhere));
+        }
+    }
     let fit = settle(model, &case.data, &starts)?;
+    let strengths = &fit.theta[model.frictions()..];
+    let penalty = of
+        .iter()
+        .zip(strengths)
+        .filter_map(|(k, s)| {
+            let candidate = &case.attribution.candidates[*k];
+            candidate.strength_sd.map(|sd| ((s - candidate.null) / sd).powi(2))
+        })
+        .sum();
     let p_absolute = chi_square_p(fit.chi2, case.data.len().saturating_sub(model.len()));
     Ok(Judged {
         of,
         model: model.clone(),
         fit,
+        penalty,
         p_absolute,
         p_single: 1.0,
         p_family: 1.0,
@@ -299,7 +326,7 @@ fn fit_pairs<'s>(
     let settings = &case.attribution.settings;
     let candidates = &case.attribution.candidates;
     let within = 2.0 * settings.class_ratio.ln();
-    let alone = |k: usize| singles.iter().find(|j| j.of[0] == k).map(|j| j.fit.deviance());
+    let alone = |k: usize| singles.iter().find(|j| j.of[0] == k).map(|j| j.deviance());
     let best_gain = singles.iter().filter_map(|j| j.gain).fold(0.0, f64::max);
     let count = (candidates.len() * candidates.len().saturating_sub(1) / 2).max(1) as f64;
     let unknown = unknown(&case.base, &case.data, base)? + settings.prior_unknown.ln();
@@ -307,7 +334,7 @@ fn fit_pairs<'s>(
     let mut pairs = Vec::new();
     for mut judged in pairs_fitted(case, base)? {
         let needed =
-            judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.fit.deviance() > within));
+            judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.deviance() > within));
         let probable = laplace(&judged.fit) + prior > unknown;
         let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
         judged.explains = fits && needed && judged.inside() && probable;

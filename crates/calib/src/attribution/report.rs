@@ -85,7 +85,9 @@ pub(super) fn fits(attribution: &Attribution<'_>) -> Result<Vec<Fit>, CalibError
     let mut all = vec![report_fit(&case, &case.base, &base)?];
     for (k, model) in case.singles.iter().enumerate() {
         let judged = fit(&case, model, vec![k], &base)?;
-        all.push(report_fit(&case, model, &judged.fit)?);
+        let mut own = report_fit(&case, model, &judged.fit)?;
+        own.deviance += judged.penalty;
+        all.push(own);
     }
     Ok(all)
 }

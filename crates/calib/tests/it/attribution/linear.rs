@@ -53,6 +53,7 @@ fn a_line_is_found_with_the_numbers_of_algebra() {
             range: (-0.5, 0.5),
             layer: Layer::Physics,
             prior: 1.0,
+            strength_sd: None,
             exposed_by: "more speeds".to_owned(),
             meaning: "a slope".to_owned(),
         }],

@@ -45,6 +45,7 @@ fn two_frictions_are_fitted_as_the_grid_search_fits_them() {
                 range: (-5.0, 5.0),
                 layer: Layer::Camera,
                 prior: 1.0,
+                strength_sd: None,
                 exposed_by: "the drum turned the other way".to_owned(),
                 meaning: "the camera is rolled about its axis".to_owned(),
             }],

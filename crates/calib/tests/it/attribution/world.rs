@@ -208,6 +208,7 @@ pub(crate) fn attribution<'s>(
             range: EFFECTS[*k].1,
             layer: EFFECTS[*k].2,
             prior: 1.0,
+            strength_sd: None,
             exposed_by: "a test".to_owned(),
             meaning: "an effect of a test".to_owned(),
         })
