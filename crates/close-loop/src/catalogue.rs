@@ -53,6 +53,20 @@ pub struct Effect {
 }
 
 impl Effect {
+    /// Size of an error of reading: a ring is found to a fraction of a percent and lines agree between readers
+    /// to half a degree, so that twice as much is a standard deviation. A larger error costs what it is worth
+    /// against an effect of physics that explains the data as well. `None` for what has no known size.
+    pub(crate) fn strength_sd(&self) -> Option<f64> {
+        match self.path.as_str() {
+            "measure.scale" => Some(0.01),
+            "measure.offset_x_pct"
+            | "measure.offset_y_pct"
+            | "measure.bias_lin_deg"
+            | "measure.bias_mid_deg" => Some(1.0),
+            _ => None,
+        }
+    }
+
     /// The rig with the effect at a strength.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Two models at the same observations: their errors, and what the second one removes.
 
-use calib::Observation;
 use calib::attribution::{Finding, Verdict};
+use calib::{Observation, Observations};
 use rig_schema::Response;
 
 use crate::catalogue::Effect;
@@ -10,6 +10,15 @@ use crate::outcome::{Point, ResponseErrors, StrengthOf};
 /// Prediction at each observation, nuisances at their estimates, with the standard deviation of the
 /// difference.
 pub(crate) type Values = Vec<(f64, f64)>;
+
+/// What was fitted, then what was kept aside, and the number of the first.
+pub(crate) fn everything(
+    fitted: &Observations,
+    held_out: Option<&Observations>,
+) -> (Vec<Observation>, usize) {
+    let held = held_out.into_iter().flat_map(|h| &h.items);
+    (fitted.items.iter().chain(held).copied().collect(), fitted.items.len())
+}
 
 /// Root of the mean of squares over some observations.
 fn root_mean(of: &[usize], square: impl Fn(usize) -> f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Fresh runs of the calibrated model and of the winner, and what remains of the error.
 
 use calib::attribution::{Finding, Verdict};
-use calib::{Nuisance, Observation, Observations, chi_square_p};
+use calib::{Nuisance, Observations, chi_square_p};
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
 
@@ -12,7 +12,7 @@ use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
 use crate::outcome::{Errors, Outcome, Side, StrengthOf};
 use crate::process::Local;
-use crate::runs::{rig_at, rig_with, sample};
+use crate::runs::{rig_with_all, sample};
 
 /// Level below which fresh runs contradict the winner, at fitted and held-out speeds together. A right
 /// answer that falls below it by chance is simulated again, so the level costs runs, not answers.
@@ -112,7 +112,8 @@ pub(crate) fn outcome(
     };
     let strengths = compare::strengths(&state.setup.catalogue.effects, &finding, &names);
     let with = after.as_ref().unwrap_or(&before);
-    let (items, fitted) = everything(state);
+    let (items, fitted) =
+        compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let points = compare::points(&items, fitted, &before.points, &with.points);
     let removed =
         after.as_ref().and_then(|a| compare::removed(&items, fitted, &before.points, &a.points));
@@ -145,7 +146,7 @@ pub(crate) fn outcome(
         cost_s: state.runs.cost_s,
         failed: state.runs.failed.clone(),
         left_out: state.setup.catalogue.left_out.clone(),
-        assumed: assumed(this, state, round),
+        assumed: assumed(this, state, &base, round),
         finding,
     };
     Ok((outcome, learned))
@@ -168,19 +169,11 @@ fn fresh(
     watch: &mut dyn FnMut(&Told),
 ) -> Result<Option<Fresh>, CloseLoopError> {
     let rig = state.setup.full.clone().unwrap_or_else(|| state.setup.rig.clone());
-    let mut label = "the calibrated model".to_owned();
     let mut rigs = Vec::new();
     for k in 0..state.effort.confirm {
         let filling = state.runs.filling(Stage::Confirm, ROUND * round + k);
-        let mut with = rig_at(&rig, &state.setup.axes, theta, filling)?;
-        if let Some((effect, strength)) = effects.first() {
-            with = rig_with(&rig, &state.setup.axes, theta, (effect, *strength), filling)?;
-            label = format!("{} = {strength:.4}", effect.path);
-        }
-        for (effect, strength) in effects.iter().skip(1) {
-            with = effect.apply(&with, *strength)?;
-            label = format!("{label}, {} = {strength:.4}", effect.path);
-        }
+        let (named, with) = rig_with_all(&rig, &state.setup.axes, theta, effects, filling)?;
+        let label = if effects.is_empty() { "the calibrated model".to_owned() } else { named };
         rigs.push((format!("{label}, fresh"), with));
     }
     let runs: Vec<_> =
@@ -195,7 +188,8 @@ fn fresh(
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
     let local = Local { at: at.collect(), shared };
-    let (items, fitted) = everything(state);
+    let (items, fitted) =
+        compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let speeds: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
     let mut distinct = speeds.clone();
     distinct.sort_by(f64::total_cmp);
@@ -270,16 +264,6 @@ fn fresh(
     Ok(Some(Fresh { side, points, samples }))
 }
 
-/// What was fitted, then what was kept aside, and the number of the first.
-fn everything(state: &State<'_>) -> (Vec<Observation>, usize) {
-    let mut items = state.setup.observations.items.clone();
-    let fitted = items.len();
-    if let Some(more) = &state.setup.held_out {
-        items.extend(&more.items);
-    }
-    (items, fitted)
-}
-
 fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
     let named: Vec<String> = strengths
         .iter()
@@ -318,7 +302,12 @@ fn figures(value: f64) -> String {
     format!("{value:.*}", (2.0 - size).clamp(0.0, 9.0) as usize)
 }
 
-fn assumed(this: &CloseLoop<'_>, state: &State<'_>, refuted: usize) -> Vec<String> {
+fn assumed(
+    this: &CloseLoop<'_>,
+    state: &State<'_>,
+    base: &Emulator,
+    refuted: usize,
+) -> Vec<String> {
     let mut all = Vec::new();
     if refuted > 0 {
         all.push(format!(
@@ -337,12 +326,10 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, refuted: usize) -> Vec<Strin
             "The four responses of a frame swing together with correlation 0.5, since the table gives no covariances.".to_owned(),
         );
     }
-    if let Ok(model) = state.base_model() {
-        let [lin, mid, x, y] = model.shift();
-        all.push(format!(
-            "The measured drum is one filling of many: from one to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
-        ));
-    }
+    let [lin, mid, x, y] = base.shift();
+    all.push(format!(
+        "The measured drum is one filling of many: from one to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
+    ));
     if state.setup.knots.len() < this.measured.rows.len() {
         all.push(format!(
             "{} of {} speeds were simulated; the others are interpolated by a cubic spline.",

@@ -131,14 +131,27 @@ impl CloseLoop<'_> {
             }
             state.learn(learned);
             round += 1;
-            let settings = &self.settings.attribution;
-            state.refine(spare, settings, watch)?;
-            finding = state.attribute(settings)?;
-            if matches!(finding.verdict, Verdict::Pairs(_) | Verdict::Unknown) {
-                state.refine_pairs(self.spare(&state, 2), settings, watch)?;
-                finding = state.attribute(settings)?;
-            }
+            finding = self.sharpen(&mut state, (2, 2), &self.settings.attribution, watch)?;
         }
+    }
+
+    /// Simulate what little is known of, single effects and then, where none will do, pairs, and ask again.
+    /// Runs are kept back for so many models to be confirmed after either.
+    fn sharpen(
+        &self,
+        state: &mut State<'_>,
+        (singles, pairs): (usize, usize),
+        settings: &Settings,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<Finding, CloseLoopError> {
+        state.refine(self.spare(state, singles), settings, watch)?;
+        let finding = state.attribute(&self.settings.attribution)?;
+        let spare = self.spare(state, pairs);
+        if spare == 0 || !matches!(finding.verdict, Verdict::Pairs(_) | Verdict::Unknown) {
+            return Ok(finding);
+        }
+        state.refine_pairs(spare, settings, watch)?;
+        state.attribute(&self.settings.attribution)
     }
 
     /// Runs that can be spent on refining if so many models are to be confirmed after it.
@@ -185,16 +198,7 @@ impl CloseLoop<'_> {
         let finding = if first.gate.passes && first.gate.p_combined > 0.05 {
             state.attribute(&self.settings.attribution)?
         } else {
-            let spare = self.spare(&state, 4);
-            state.refine(spare, &quick, watch)?;
-            let refined = state.attribute(&self.settings.attribution)?;
-            let spare = self.spare(&state, 3);
-            if matches!(refined.verdict, Verdict::Pairs(_) | Verdict::Unknown) && spare > 0 {
-                state.refine_pairs(spare, &quick, watch)?;
-                state.attribute(&self.settings.attribution)?
-            } else {
-                refined
-            }
+            self.sharpen(&mut state, (4, 3), &quick, watch)?
         };
         Ok((state, finding))
     }
@@ -615,7 +619,7 @@ impl State<'_> {
                 simulator: model,
                 null: 0.0,
                 range: model.range(effect.range),
-                strength_sd: reading_sd(&effect.path).map(|sd| model.change(sd)),
+                strength_sd: effect.strength_sd().map(|sd| model.change(sd)),
                 layer: effect.layer,
                 prior: effect.prior,
                 exposed_by: effect.exposed_by.clone(),
@@ -641,19 +645,5 @@ impl State<'_> {
         let mut finding = self.question(&base, &models, &pairs, settings).attribute()?;
         decode(&mut finding, &models);
         Ok(finding)
-    }
-}
-
-/// Size of an error of reading: a ring is found to a fraction of a percent and lines agree between readers to
-/// half a degree, so that twice as much is a standard deviation. A larger error costs what it is worth
-/// against an effect of physics that explains the data as well.
-fn reading_sd(path: &str) -> Option<f64> {
-    match path {
-        "measure.scale" => Some(0.01),
-        "measure.offset_x_pct"
-        | "measure.offset_y_pct"
-        | "measure.bias_lin_deg"
-        | "measure.bias_mid_deg" => Some(1.0),
-        _ => None,
     }
 }

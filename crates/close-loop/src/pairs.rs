@@ -5,17 +5,11 @@ use calib::attribution::{PairFit, Settings};
 
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model};
-use crate::driver::{Stage, State, Told, is_simulated};
+use crate::confirm::Learned;
+use crate::driver::{State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::refine::{BATCH, ENOUGH, KNOWN};
-use crate::runs::{rig_with, sample};
-
-/// What is to be run: effects with their strengths, free parameters first.
-struct Asked {
-    effects: Vec<Effect>,
-    at: Vec<f64>,
-}
+use crate::refine::{Asked, ENOUGH, KNOWN};
 
 impl State<'_> {
     /// Models of the pairs that were simulated, by their names.
@@ -74,59 +68,7 @@ impl State<'_> {
         settings: &Settings,
         watch: &mut dyn FnMut(&Told),
     ) -> Result<(), CloseLoopError> {
-        let mut left = most;
-        while left > 0 {
-            let asked = self.doubtful_pairs(BATCH.min(left), settings)?;
-            if asked.is_empty() {
-                break;
-            }
-            left -= asked.len();
-            let free = self.setup.free.len();
-            let mut rigs = Vec::new();
-            for one in &asked {
-                let (theta, strengths) = one.at.split_at(free);
-                let of: Vec<(Effect, f64)> =
-                    one.effects.iter().cloned().zip(strengths.iter().copied()).collect();
-                let Some(((effect, strength), more)) = of.split_first() else { continue };
-                let number = 100 + self.seen(&one.effects).len();
-                let filling = self.runs.filling(Stage::Refine, number);
-                let (rig, axes) = (&self.setup.rig, &self.setup.axes);
-                let mut with = rig_with(rig, axes, theta, (effect, *strength), filling)?;
-                let mut label = format!("{} = {strength:.4}", effect.path);
-                for (effect, strength) in more {
-                    with = effect.apply(&with, *strength)?;
-                    label = format!("{label}, {} = {strength:.4}", effect.path);
-                }
-                rigs.push((label, with));
-            }
-            let runs = self.runs.all(Stage::Refine, &rigs, watch)?;
-            for (one, run) in asked.into_iter().zip(&runs) {
-                match (run, &one.effects[..]) {
-                    (Some(run), [a]) => {
-                        let own = sample(one.at, run);
-                        self.effects.entry(a.path.clone()).or_default().push(own);
-                    }
-                    (Some(run), [a, b]) => {
-                        let names = [a.path.clone(), b.path.clone()];
-                        self.pairs.entry(names).or_default().push(sample(one.at, run));
-                    }
-                    // The stronger one by its own coordinate is the one that goes too far.
-                    (None, [a, ..]) => self.shorten(&a.path, one.at.get(free).copied()),
-                    _ => {}
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Runs of an effect alone, or of two together.
-    fn seen(&self, effects: &[Effect]) -> &[Sample] {
-        let own = match effects {
-            [a] => self.effects.get(&a.path),
-            [a, b] => self.pairs.get(&[a.path.clone(), b.path.clone()]),
-            _ => None,
-        };
-        own.map_or(&[], |s| &s[..])
+        self.look(most, 100, watch, |state, count| state.doubtful_pairs(count, settings))
     }
 
     /// Best points of the pairs that may explain the data best and of which too little is known there.
@@ -180,7 +122,7 @@ impl State<'_> {
     }
 
     /// Whether a model is made of simulations and can take more.
-    pub(crate) fn can_learn(&self, (names, _): &(Vec<String>, Vec<Sample>)) -> bool {
+    pub(crate) fn can_learn(&self, (names, _): &Learned) -> bool {
         match &names[..] {
             [name] => self.effects.contains_key(name),
             [a, b] => self.pairs.contains_key(&[a.clone(), b.clone()]),
@@ -189,7 +131,7 @@ impl State<'_> {
     }
 
     /// Take fresh runs into the models of their effects.
-    pub(crate) fn learn(&mut self, learned: Vec<(Vec<String>, Vec<Sample>)>) {
+    pub(crate) fn learn(&mut self, learned: Vec<Learned>) {
         for (names, mut samples) in learned {
             // Fresh runs are of the rig itself, the models are of its stand-in.
             for (k, (shift, _)) in self.bias.iter().flatten().enumerate() {

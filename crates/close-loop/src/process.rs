@@ -89,20 +89,22 @@ impl Process {
                 q + amplitude * amplitude * s + if i == j { noise } else { 0.0 }
             })
         };
-        let outputs = |k: usize, r: usize| -> (f64, Mat<f64>) {
+        let output = |k: usize, r: usize| -> (f64, Mat<f64>) {
             let middle = mean.iter().map(|m| m[k][r]).sum::<f64>() / n as f64;
             (middle, Mat::from_fn(n, 1, |i, _| mean[i][k][r] - middle))
         };
+        let outputs: Vec<[(f64, Mat<f64>); 4]> =
+            (0..frames.len()).map(|k| std::array::from_fn(|r| output(k, r))).collect();
         let fault = || CalibError::Covariance { what: "runs of a surface", size: n };
         let noise = |shift: f64, k: usize, r: usize| frames[k][r][r].max(FLOOR) + shift * shift;
         let log_likelihood = |of: &[(f64, f64)], amplitude: f64, shift: f64, r: usize| {
             let mut sum = log_prior(amplitude, AMPLITUDE) + log_prior(shift, SHIFT);
-            for k in 0..frames.len() {
+            for (k, four) in outputs.iter().enumerate() {
                 let llt = system(of, amplitude, noise(shift, k, r))
                     .llt(Side::Lower)
                     .map_err(|_| fault())?;
-                let (_, y) = outputs(k, r);
-                let alpha = llt.solve(&y);
+                let (_, y) = &four[r];
+                let alpha = llt.solve(y);
                 let fit: f64 = (0..n).map(|i| y[(i, 0)] * alpha[(i, 0)]).sum();
                 let log_det: f64 = (0..n).map(|i| llt.L()[(i, i)].ln()).sum();
                 sum -= 0.5 * fit + log_det;
@@ -138,16 +140,16 @@ impl Process {
         let (amplitude, shift) = (chosen.map(|c| c.0), chosen.map(|c| c.1));
         let of = kernels(length);
         let mut fitted = Vec::with_capacity(frames.len());
-        for k in 0..frames.len() {
+        for (k, own) in outputs.iter().enumerate() {
             let mut four = Vec::with_capacity(4);
             for (r, a) in amplitude.iter().enumerate() {
                 let llt =
                     system(&of, *a, noise(shift[r], k, r)).llt(Side::Lower).map_err(|_| fault())?;
-                let (middle, y) = outputs(k, r);
-                let solved = llt.solve(&y);
+                let (middle, y) = &own[r];
+                let solved = llt.solve(y);
                 let alpha = (0..n).map(|i| solved[(i, 0)]).collect();
                 let inverse = llt.solve(Mat::<f64>::identity(n, n));
-                four.push(Output { middle, alpha, inverse });
+                four.push(Output { middle: *middle, alpha, inverse });
             }
             fitted.push(four.try_into().map_err(|_| fault())?);
         }
@@ -156,7 +158,15 @@ impl Process {
 
     /// Means at a point, by knot.
     pub(crate) fn mean(&self, z: &[f64]) -> Vec<[f64; 4]> {
-        let to: Vec<(f64, f64)> = self.coded.iter().map(|c| kernel(c, z, self.length)).collect();
+        self.mean_from(&self.to(z))
+    }
+
+    /// Kernels between a point and every run.
+    fn to(&self, z: &[f64]) -> Vec<(f64, f64)> {
+        self.coded.iter().map(|c| kernel(c, z, self.length)).collect()
+    }
+
+    fn mean_from(&self, to: &[(f64, f64)]) -> Vec<[f64; 4]> {
         let value = |four: &[Output; 4], r: usize| {
             let (o, a) = (&four[r], self.amplitude[r].powi(2));
             let sum: f64 = to.iter().zip(&o.alpha).map(|((q, s), w)| (q + a * s) * w).sum();
@@ -169,10 +179,10 @@ impl Process {
     /// responses as the frames are; what the surface does not know is each response's own.
     pub(crate) fn moments(&self, z: &[f64], frames: &[[[f64; 4]; 4]]) -> Local {
         let n = self.coded.len();
-        let to: Vec<(f64, f64)> = self.coded.iter().map(|c| kernel(c, z, self.length)).collect();
+        let to = self.to(z);
         let (own_q, own_s) = kernel(z, z, self.length);
         let mut local = Local { at: Vec::new(), shared: Vec::new() };
-        for ((four, frame), mean) in self.outputs.iter().zip(frames).zip(self.mean(z)) {
+        for ((four, frame), mean) in self.outputs.iter().zip(frames).zip(self.mean_from(&to)) {
             let mut shared = [0.0; 4];
             let mut weights: [Vec<f64>; 4] = Default::default();
             let mut covariance = [[0.0; 4]; 4];

@@ -2,16 +2,17 @@
 //! as long as nobody knows what it does there.
 
 use calib::CalibError;
-use calib::attribution::{NEAR_END, Settings};
+use calib::attribution::{Settings, at_the_end};
 
 use crate::catalogue::Effect;
 use crate::coded::Model;
 use crate::driver::{GRID, Stage, State, Told};
+use crate::emulator::Sample;
 use crate::error::CloseLoopError;
-use crate::runs::{rig_with, sample};
+use crate::runs::{rig_with_all, sample};
 
 /// Runs between two looks at the models: two, so that two cores are busy, whatever the number of workers.
-pub(crate) const BATCH: usize = 2;
+const BATCH: usize = 2;
 
 /// Variance of a model over that of one run from its frames below which runs have said what they can:
 /// about two runs at the point.
@@ -23,6 +24,12 @@ pub(crate) const ENOUGH: (usize, f64) = (3, 0.5);
 /// Deviance by which an effect must be better than the base to be simulated.
 const WORTH: f64 = 4.0;
 
+/// What is to be run: effects, and the free parameters followed by their strengths.
+pub(crate) struct Asked {
+    pub(crate) effects: Vec<Effect>,
+    pub(crate) at: Vec<f64>,
+}
+
 impl State<'_> {
     /// Simulate effects at their best points, the most promising first, with at most `most` runs.
     pub(crate) fn refine(
@@ -31,42 +38,68 @@ impl State<'_> {
         settings: &Settings,
         watch: &mut dyn FnMut(&Told),
     ) -> Result<(), CloseLoopError> {
+        self.look(most, 0, watch, |state, count| state.doubtful(count, settings))
+    }
+
+    /// Run what `ask` asks for, [`BATCH`] at a time, until it asks for nothing more or `most` runs are made.
+    /// Fillings of an effect are numbered from `first`.
+    pub(crate) fn look(
+        &mut self,
+        most: usize,
+        first: usize,
+        watch: &mut dyn FnMut(&Told),
+        ask: impl Fn(&Self, usize) -> Result<Vec<Asked>, CalibError>,
+    ) -> Result<(), CloseLoopError> {
+        let free = self.setup.free.len();
         let mut left = most;
         while left > 0 {
-            let points = self.doubtful(BATCH.min(left), settings)?;
-            if points.is_empty() {
+            let asked = ask(self, BATCH.min(left))?;
+            if asked.is_empty() {
                 break;
             }
-            left -= points.len();
+            left -= asked.len();
             let mut rigs = Vec::new();
-            for (effect, at) in &points {
-                let Some((strength, theta)) = at.split_last() else { continue };
-                let number = self.effects.get(&effect.path).map_or(0, Vec::len);
+            for one in &asked {
+                let (theta, strengths) = one.at.split_at(free);
+                let effects: Vec<(Effect, f64)> =
+                    one.effects.iter().cloned().zip(strengths.iter().copied()).collect();
+                let number = first + self.seen(&one.effects).len();
                 let filling = self.runs.filling(Stage::Refine, number);
                 let (rig, axes) = (&self.setup.rig, &self.setup.axes);
-                let with = rig_with(rig, axes, theta, (effect, *strength), filling)?;
-                rigs.push((format!("{} = {strength:.4}", effect.path), with));
+                rigs.push(rig_with_all(rig, axes, theta, &effects, filling)?);
             }
             let runs = self.runs.all(Stage::Refine, &rigs, watch)?;
-            for ((effect, at), run) in points.into_iter().zip(&runs) {
-                match run {
-                    Some(run) => {
-                        let own = sample(at, run);
-                        self.effects.entry(effect.path).or_default().push(own);
+            for (one, run) in asked.into_iter().zip(&runs) {
+                match (run, &one.effects[..]) {
+                    (Some(run), [a]) => {
+                        let own = sample(one.at, run);
+                        self.effects.entry(a.path.clone()).or_default().push(own);
                     }
-                    None => self.shorten(&effect.path, at.last().copied()),
+                    (Some(run), [a, b]) => {
+                        let names = [a.path.clone(), b.path.clone()];
+                        self.pairs.entry(names).or_default().push(sample(one.at, run));
+                    }
+                    // Which of two goes too far is not known: the first one is held back.
+                    (None, [a, ..]) => self.shorten(&a.path, one.at.get(free).copied()),
+                    _ => {}
                 }
             }
         }
         Ok(())
     }
 
+    /// Runs of an effect alone, or of two together.
+    pub(crate) fn seen(&self, effects: &[Effect]) -> &[Sample] {
+        let own = match effects {
+            [a] => self.effects.get(&a.path),
+            [a, b] => self.pairs.get(&[a.path.clone(), b.path.clone()]),
+            _ => None,
+        };
+        own.map_or(&[], |s| &s[..])
+    }
+
     /// Best points of the effects that may explain the data best and of which too little is known there.
-    fn doubtful(
-        &self,
-        count: usize,
-        settings: &Settings,
-    ) -> Result<Vec<(Effect, Vec<f64>)>, CalibError> {
+    fn doubtful(&self, count: usize, settings: &Settings) -> Result<Vec<Asked>, CalibError> {
         let base = self.base_model()?;
         let models = self.models(&base)?;
         let fits = self.question(&base, &models, &[], settings).fits()?;
@@ -83,22 +116,22 @@ impl State<'_> {
             let at = coded.decoded(&fit.theta);
             let open = match &coded.inner {
                 Model::Runs(model) => {
-                    let near = |s: &&crate::Sample| model.apart(&s.at, &at) < ENOUGH.1;
+                    let near = |s: &&Sample| model.apart(&s.at, &at) < ENOUGH.1;
                     let own = self.effects.get(&effect.path).map_or(&[][..], |s| &s[..]);
                     model.doubt(&at) > KNOWN && own.iter().filter(near).count() < ENOUGH.0
                 }
                 Model::Curve(_) => {
                     // A reading at the end of its range stands for something else.
                     let (low, high) = coded.range(effect.range);
-                    let v = fit.theta.last().map_or(0.0, |v| (v - low) / (high - low));
-                    if !(NEAR_END..=1.0 - NEAR_END).contains(&v) {
+                    if fit.theta.last().is_some_and(|v| at_the_end((v - low) / (high - low))) {
                         continue;
                     }
                     false
                 }
             };
             if open {
-                points.push(((*effect).clone(), self.on_grid(effect, &at)));
+                let at = self.on_grid(effect, &at);
+                points.push(Asked { effects: vec![(*effect).clone()], at });
             } else if fit.p > settings.level {
                 // Only what may be as good as this is worth a run.
                 limit = limit.min(fit.deviance + 2.0 * settings.class_ratio.ln());
@@ -108,7 +141,7 @@ impl State<'_> {
     }
 
     /// The nearest point of a grid, so that loops on the same rig share runs.
-    pub(crate) fn on_grid(&self, effect: &Effect, at: &[f64]) -> Vec<f64> {
+    fn on_grid(&self, effect: &Effect, at: &[f64]) -> Vec<f64> {
         let Some((strength, theta)) = at.split_last() else { return Vec::new() };
         let mut point = self.snap(theta);
         let axes = self.effect_axes(effect);

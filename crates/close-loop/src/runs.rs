@@ -116,6 +116,23 @@ pub(crate) fn rig_with(
     effect.apply(&rig_at(rig, axes, theta, seed)?, strength)
 }
 
+/// The rig with any number of effects, and what it is called.
+pub(crate) fn rig_with_all(
+    rig: &Rig,
+    axes: &[Axis],
+    theta: &[f64],
+    effects: &[(Effect, f64)],
+    seed: u64,
+) -> Result<(String, Rig), CloseLoopError> {
+    let mut with = rig_at(rig, axes, theta, seed)?;
+    let mut named = Vec::new();
+    for (effect, strength) in effects {
+        with = effect.apply(&with, *strength)?;
+        named.push(format!("{} = {strength:.4}", effect.path));
+    }
+    Ok((named.join(", "), with))
+}
+
 /// What a run showed, at a point.
 pub(crate) fn sample(at: Vec<f64>, run: &Run) -> Sample {
     Sample {

@@ -161,7 +161,7 @@ pub fn close_with_table(
     let (verdict, sentence) = words(&finding, &members);
     let strengths = compare::strengths(&reading, &finding, &members);
     let (side, values) = before;
-    let (items, fitted) = base.everything();
+    let (items, fitted) = compare::everything(&study.observations, held_out.as_ref());
     let (last, last_values) = match &after {
         Some((s, v)) => (s.clone(), v),
         None => (side.clone(), &values),
@@ -234,14 +234,6 @@ struct Table<'a> {
 }
 
 impl Table<'_> {
-    /// What was fitted, then what was kept aside, and the number of the first.
-    fn everything(&self) -> (Vec<calib::Observation>, usize) {
-        let mut items = self.study.observations.items.clone();
-        let fitted = items.len();
-        items.extend(self.held_out.into_iter().flat_map(|h| &h.items));
-        (items, fitted)
-    }
-
     /// Errors of a model at fitted and held-out speeds.
     fn side(
         &self,
@@ -289,7 +281,7 @@ impl Table<'_> {
                 values.push((predicted.mean[at] + shift[o.response.index()], variance.sqrt()));
             }
         }
-        let (items, count) = self.everything();
+        let (items, count) = compare::everything(&self.study.observations, self.held_out);
         let dof = count.saturating_sub(theta.len()).max(1);
         let errors = Errors {
             fitted: compare::errors(&items, &values, 0..count),

@@ -210,7 +210,7 @@ const FILL_RANGE: (f64, f64) = (0.015, 0.97);
 const CONTINUED: f64 = 0.04;
 
 /// Standard uncertainty of the whole line's angle from the bend of its ends above which it is reported, degrees:
-/// 2 % of clean frames, among them those that were off by more than 0.15 degrees unreported.
+/// 2 to 4 % of clean frames, among them most of those that were off by more than 0.15 degrees unreported.
 const TURNED: f64 = 0.05;
 
 /// Standard uncertainty from which a frame carries a warning, degrees or percent of the radius: the error that a clean frame may

@@ -7,9 +7,9 @@ use anyhow::Context;
 use close_loop::campaign::Run;
 use close_loop::rig_schema::{Response, Rig};
 
+use super::drums::truth;
 use super::elsewhere;
 use super::make::{INTERVAL_S, RESOLUTION, nature, nature_lab};
-use super::sealed::Truth;
 use crate::peers::code::locate;
 
 /// Frictions between particles of the matched drums.
@@ -18,13 +18,7 @@ const FRICTIONS: [f64; 3] = [0.3, 0.45, 0.6];
 /// A drum that lacks nothing, in another filling for each `number`, with the step of the blind study times
 /// `step`.
 fn drum(friction: f64, number: u64, step: f64) -> anyhow::Result<Rig> {
-    let truth = Truth {
-        case: String::new(),
-        kind: "null".to_owned(),
-        code: String::new(),
-        frictions: vec![("friction.pp".to_owned(), friction)],
-        effects: Vec::new(),
-    };
+    let truth = truth("null", "", friction, &[]);
     let mut rig = nature(&truth, 700_000 + number)?;
     let own = rig.settings.value("step.scale").unwrap_or(1.0);
     rig.settings

@@ -35,7 +35,7 @@ pub(crate) const DOSES: [Dose; 8] = [
 const FRICTIONS: [f64; 2] = [0.3, 0.45];
 
 /// One case before it has a name.
-fn truth(kind: &str, code: &str, friction: f64, effects: &[(&str, f64)]) -> Truth {
+pub(crate) fn truth(kind: &str, code: &str, friction: f64, effects: &[(&str, f64)]) -> Truth {
     Truth {
         case: String::new(),
         kind: kind.to_owned(),

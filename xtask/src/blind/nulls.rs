@@ -7,21 +7,15 @@ use close_loop::campaign::{Laboratory, Sampling};
 use close_loop::rig_schema::{Case, MeasuredTable};
 use close_loop::{CloseLoop, LoopSettings};
 
+use super::drums::truth;
 use super::make::{case_text, nature, nature_lab, table};
 use super::score::fit_sampling;
-use super::sealed::Truth;
 
 pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyhow::Result<()> {
     let nature_lab = nature_lab(folder, jobs)?;
     let rigs = (0..count)
         .map(|k| {
-            let truth = Truth {
-                case: format!("null_{k:03}"),
-                kind: "null".to_owned(),
-                code: "tumble".to_owned(),
-                frictions: vec![("friction.pp".to_owned(), [0.28, 0.37, 0.46][k % 3])],
-                effects: Vec::new(),
-            };
+            let truth = truth("null", "tumble", [0.28, 0.37, 0.46][k % 3], &[]);
             nature(&truth, 900_000 + k as u64)
         })
         .collect::<anyhow::Result<Vec<_>>>()?;

@@ -26,7 +26,7 @@ pub use finding::{
     NextExperiment, Overturn, PairFit, Ranked, ResidualPoint, StabilityRow, Strength, Verdict,
 };
 
-pub use ranking::NEAR_END;
+pub use ranking::at_the_end;
 
 use crate::{CalibError, Observations, Problem};
 

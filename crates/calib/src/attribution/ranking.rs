@@ -23,9 +23,11 @@ const OTHER_FRICTIONS: [f64; 3] = [0.15, 0.45, 0.75];
 /// Least number of speeds at which both ends can be left out.
 const LEAST_FOR_ENDS: usize = 5;
 
-/// Share of its range within which the strength of a reading or of a camera stands at an end: what stands
-/// there is no name ([`Ranked::objections`](super::Ranked)).
-pub const NEAR_END: f64 = 0.02;
+/// Whether a strength at this part of its range stands at an end of it, within 2 %. Of a reading or of a
+/// camera what stands there is no name ([`Ranked::objections`](super::Ranked)).
+pub fn at_the_end(part: f64) -> bool {
+    !(0.02..=0.98).contains(&part)
+}
 
 /// How much better than the level a pair must fit.
 const PAIR_FACTOR: f64 = 10.0;
@@ -124,7 +126,7 @@ impl Judged<'_> {
             matches!(layer, Layer::Camera | Layer::Measurement)
         };
         let unit = self.fit.point.unit[self.model.frictions()];
-        self.of.first().is_some_and(reading) && !(NEAR_END..=1.0 - NEAR_END).contains(&unit)
+        self.of.first().is_some_and(reading) && at_the_end(unit)
     }
 
     /// Whether no strength is absent or at an end of its range.
@@ -345,11 +347,10 @@ fn fit_pairs<'s>(
         judged.eligible = judged.explains;
         pairs.push(judged);
     }
-    sort(&mut pairs);
     Ok(pairs)
 }
 
-/// Best fit of every pair, not judged yet.
+/// Best fit of every pair, best deviance first, not judged yet.
 pub(super) fn pairs_fitted<'s>(
     case: &Case<'_, 's>,
     base: &Settled,

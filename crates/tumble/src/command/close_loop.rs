@@ -22,7 +22,7 @@ const SIMULATING: f64 = 0.8;
 /// Fewest speeds that a budget may leave: two to fit, one to predict.
 const LEAST_SPEEDS: usize = 3;
 
-/// Runs for the embedded drum: under three minutes on two cores.
+/// Runs for the embedded drum: three and a half minutes on two cores.
 const EMBEDDED_RUNS: usize = 62;
 
 #[derive(Serialize)]
