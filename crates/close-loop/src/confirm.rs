@@ -79,7 +79,7 @@ pub(crate) fn outcome(
             let Some((strength, theta)) = r.fit.theta.split_last() else { continue };
             let with = effects_at(state, std::slice::from_ref(name), &[*strength]);
             let Some(model) = fresh(state, &base, theta, &with, round, watch)? else {
-                state.shorten(name, Some(*strength));
+                state.shorten(name, *strength, true);
                 learned.push((vec![name.clone()], Vec::new()));
                 continue;
             };
@@ -144,12 +144,24 @@ pub(crate) fn outcome(
         effort: state.effort,
         runs: state.runs.made,
         cost_s: state.runs.cost_s,
+        simulated: simulated(state),
         failed: state.runs.failed.clone(),
         left_out: state.setup.catalogue.left_out.clone(),
         assumed: assumed(this, state, &base, round),
         finding,
     };
     Ok((outcome, learned))
+}
+
+/// Every sample: which effects, and where.
+fn simulated(state: &State<'_>) -> Vec<(String, Vec<f64>)> {
+    let effects = state.effects.iter().map(|(path, own)| (path.clone(), own));
+    let pairs = state.pairs.iter().map(|(names, own)| (names.join(" + "), own));
+    std::iter::once((String::new(), &state.base))
+        .chain(effects)
+        .chain(pairs)
+        .flat_map(|(name, own)| own.iter().map(move |s| (name.clone(), s.at.clone())))
+        .collect()
 }
 
 fn effects_at(state: &State<'_>, names: &[String], strengths: &[f64]) -> Vec<(Effect, f64)> {

@@ -83,6 +83,8 @@ pub(crate) struct State<'a> {
     pub(crate) effects: ByEffect,
     /// Runs of two effects together.
     pub(crate) pairs: BTreeMap<[String; 2], Vec<Sample>>,
+    /// Points at which a drum with these effects could not be simulated.
+    pub(crate) lost: BTreeMap<Vec<String>, Vec<Vec<f64>>>,
     curves: BTreeMap<String, Change>,
     pub(crate) theta: Vec<f64>,
     pub(crate) bias: Option<Vec<Shift>>,
@@ -182,6 +184,7 @@ impl CloseLoop<'_> {
             base: Vec::new(),
             effects: ByEffect::new(),
             pairs: BTreeMap::new(),
+            lost: BTreeMap::new(),
             curves: BTreeMap::new(),
             theta: Vec::new(),
             bias: None,
@@ -407,11 +410,18 @@ impl State<'_> {
             }
         }
         let runs = self.runs.all(Stage::Probes, &rigs, watch)?;
+        let mut lost = Vec::new();
         for ((path, strength), run) in places.into_iter().zip(&runs) {
-            let Some(run) = run else { continue };
+            let Some(run) = run else {
+                lost.push((path, strength));
+                continue;
+            };
             let mut at = theta.clone();
             at.push(strength);
             self.effects.entry(path).or_default().push(sample(at, run));
+        }
+        for (path, strength) in lost {
+            self.shorten(&path, strength, false);
         }
         for e in &effects {
             if is_simulated(e) && !self.effects.contains_key(&e.path) {

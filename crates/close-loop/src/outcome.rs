@@ -128,6 +128,9 @@ pub struct Outcome {
     pub runs: usize,
     /// Processor time of all runs when they were made, s.
     pub cost_s: f64,
+    /// What the models learnt from: effects (joined by ` + `; empty for the base model), then values of the
+    /// free parameters followed by the strengths.
+    pub simulated: Vec<(String, Vec<f64>)>,
     /// Runs that failed: what they were, and why.
     pub failed: Vec<(String, String)>,
     /// Effects that were not tried: name, reason.

@@ -9,7 +9,7 @@ use crate::confirm::Learned;
 use crate::driver::{State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::refine::{Asked, ENOUGH, KNOWN};
+use crate::refine::Asked;
 
 impl State<'_> {
     /// Models of the pairs that were simulated, by their names.
@@ -116,8 +116,7 @@ impl State<'_> {
             [(e, _), (f, _)] => self.pair_model(base, [e, f], own)?,
             _ => return Ok(None),
         };
-        let near = own.iter().filter(|s| model.apart(&s.at, &at) < ENOUGH.1).count();
-        let known = model.doubt(&at) <= KNOWN || near >= ENOUGH.0;
+        let known = self.settled(&effects, &model, &at);
         Ok((!known).then_some(Asked { effects, at }))
     }
 

@@ -2,12 +2,12 @@
 //! as long as nobody knows what it does there.
 
 use calib::CalibError;
-use calib::attribution::{Settings, at_the_end};
+use calib::attribution::{Fit, Settings, at_the_end};
 
 use crate::catalogue::Effect;
-use crate::coded::Model;
+use crate::coded::{Coded, Model};
 use crate::driver::{GRID, Stage, State, Told};
-use crate::emulator::Sample;
+use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
 use crate::runs::{rig_with_all, sample};
 
@@ -16,13 +16,16 @@ const BATCH: usize = 2;
 
 /// Variance of a model over that of one run from its frames below which runs have said what they can:
 /// about two runs at the point.
-pub(crate) const KNOWN: f64 = 0.6;
+const KNOWN: f64 = 0.6;
 
 /// Runs near a point that are enough in any case, and how near, coded units.
-pub(crate) const ENOUGH: (usize, f64) = (3, 0.5);
+const ENOUGH: (usize, f64) = (3, 0.5);
 
 /// Deviance by which an effect must be better than the base to be simulated.
 const WORTH: f64 = 4.0;
+
+/// Probability of a fit, with what its model does not know, below which runs are better spent elsewhere.
+const FORLORN: f64 = 1e-6;
 
 /// What is to be run: effects, and the free parameters followed by their strengths.
 pub(crate) struct Asked {
@@ -63,7 +66,7 @@ impl State<'_> {
                 let (theta, strengths) = one.at.split_at(free);
                 let effects: Vec<(Effect, f64)> =
                     one.effects.iter().cloned().zip(strengths.iter().copied()).collect();
-                let number = first + self.seen(&one.effects).len();
+                let number = first + self.seen(&one.effects).len() + self.lost(&one.effects).len();
                 let filling = self.runs.filling(Stage::Refine, number);
                 let (rig, axes) = (&self.setup.rig, &self.setup.axes);
                 rigs.push(rig_with_all(rig, axes, theta, &effects, filling)?);
@@ -79,8 +82,13 @@ impl State<'_> {
                         let names = [a.path.clone(), b.path.clone()];
                         self.pairs.entry(names).or_default().push(sample(one.at, run));
                     }
-                    // Which of two goes too far is not known: the first one is held back.
-                    (None, [a, ..]) => self.shorten(&a.path, one.at.get(free).copied()),
+                    (None, effects) => {
+                        if let ([a], Some(strength)) = (effects, one.at.get(free)) {
+                            self.shorten(&a.path, *strength, false);
+                        }
+                        let names = effects.iter().map(|e| e.path.clone()).collect();
+                        self.lost.entry(names).or_default().push(one.at);
+                    }
                     _ => {}
                 }
             }
@@ -98,28 +106,36 @@ impl State<'_> {
         own.map_or(&[], |s| &s[..])
     }
 
+    /// Points at which a drum with these effects could not be simulated.
+    fn lost(&self, effects: &[Effect]) -> &[Vec<f64>] {
+        let names: Vec<String> = effects.iter().map(|e| e.path.clone()).collect();
+        self.lost.get(&names).map_or(&[], |l| &l[..])
+    }
+
+    /// Whether runs have said at a point what they can: enough of them, a model that is sure, or a drum that
+    /// cannot be simulated there.
+    pub(crate) fn settled(&self, effects: &[Effect], model: &Emulator, at: &[f64]) -> bool {
+        let near = |x: &[f64]| model.apart(x, at) < ENOUGH.1;
+        let made = self.seen(effects).iter().filter(|s| near(&s.at)).count();
+        let known = model.doubt(at) <= KNOWN || made >= ENOUGH.0;
+        known || self.lost(effects).iter().any(|x| near(x))
+    }
+
     /// Best points of the effects that may explain the data best and of which too little is known there.
     fn doubtful(&self, count: usize, settings: &Settings) -> Result<Vec<Asked>, CalibError> {
         let base = self.base_model()?;
         let models = self.models(&base)?;
-        let fits = self.question(&base, &models, &[], settings).fits()?;
-        let Some((without, fits)) = fits.split_first() else { return Ok(Vec::new()) };
-        let mut order: Vec<usize> = (0..fits.len()).collect();
-        order.sort_by(|a, b| fits[*a].deviance.total_cmp(&fits[*b].deviance));
+        let (without, fits) = self.question(&base, &models, &[], settings).fits()?;
+        // Every optimum: behind the best one of an effect, which turns out not to fit, may be another.
+        let mut order: Vec<(&Fit, &(&Effect, Coded))> =
+            fits.iter().zip(&models).flat_map(|(own, m)| own.iter().map(move |f| (f, m))).collect();
+        order.sort_by(|a, b| a.0.deviance.total_cmp(&b.0.deviance));
         let mut limit = without.deviance - WORTH;
-        let mut points = Vec::new();
-        for k in order {
-            let (fit, (effect, coded)) = (&fits[k], &models[k]);
-            if points.len() == count || fit.deviance > limit {
-                break;
-            }
+        let (mut points, mut forlorn) = (Vec::new(), Vec::new());
+        for (fit, (effect, coded)) in order {
             let at = coded.decoded(&fit.theta);
             let open = match &coded.inner {
-                Model::Runs(model) => {
-                    let near = |s: &&Sample| model.apart(&s.at, &at) < ENOUGH.1;
-                    let own = self.effects.get(&effect.path).map_or(&[][..], |s| &s[..]);
-                    model.doubt(&at) > KNOWN && own.iter().filter(near).count() < ENOUGH.0
-                }
+                Model::Runs(model) => !self.settled(std::slice::from_ref(*effect), model, &at),
                 Model::Curve(_) => {
                     // A reading at the end of its range stands for something else.
                     let (low, high) = coded.range(effect.range);
@@ -129,14 +145,22 @@ impl State<'_> {
                     false
                 }
             };
+            // What a model that knows little here may turn out to be: as close, and as sure as the base.
+            let hope = if open { fit.chi2 + without.deviance - without.chi2 } else { fit.deviance };
+            if hope > limit {
+                continue;
+            }
             if open {
                 let at = self.on_grid(effect, &at);
-                points.push(Asked { effects: vec![(*effect).clone()], at });
+                let asked = Asked { effects: vec![(*effect).clone()], at };
+                if fit.p > FORLORN { &mut points } else { &mut forlorn }.push(asked);
             } else if fit.p > settings.level {
                 // Only what may be as good as this is worth a run.
                 limit = limit.min(fit.deviance + 2.0 * settings.class_ratio.ln());
             }
         }
+        points.extend(forlorn);
+        points.truncate(count);
         Ok(points)
     }
 
@@ -153,27 +177,70 @@ impl State<'_> {
         point
     }
 
-    /// End an effect's range before a strength at which its drum could not be simulated.
-    pub(crate) fn shorten(&mut self, path: &str, failed: Option<f64>) {
-        let Some(failed) = failed else { return };
+    /// End an effect's range where its drum cannot be simulated any more ([`end`]).
+    pub(crate) fn shorten(&mut self, path: &str, failed: f64, sure: bool) {
         let known = self.effects.get(path).into_iter().flatten().filter_map(|s| s.at.last());
         let known: Vec<f64> = known.copied().collect();
         let Some(effect) = self.setup.catalogue.effects.iter_mut().find(|e| e.path == path) else {
             return;
         };
-        let (null, up) = (effect.null, failed > effect.null);
-        let inside = known.iter().copied().filter(|s| (*s > null) == up && (*s < failed) == up);
-        let last = inside.fold(null, |a, b| if up { a.max(b) } else { a.min(b) });
-        if up {
-            effect.range.1 = last;
+        let Some(end) = end(effect, &known, failed, sure) else { return };
+        if failed > effect.null {
+            effect.range.1 = effect.range.1.min(end);
         } else {
-            effect.range.0 = last;
+            effect.range.0 = effect.range.0.max(end);
         }
-        let why = format!("not beyond {last:.4}: its drum cannot be simulated at {failed:.4}");
-        let narrow = effect.range.1 <= effect.range.0;
+        let why = format!("not beyond {end:.4}: its drum cannot be simulated at {failed:.4}");
         self.setup.catalogue.left_out.push((path.to_owned(), why));
-        if narrow {
-            self.effects.remove(path);
-        }
+    }
+}
+
+/// Middle between a strength at which a drum could not be simulated and the next one that is `known`; none,
+/// unless it is `sure`, if others came out that are as strong.
+fn end(effect: &Effect, known: &[f64], failed: f64, sure: bool) -> Option<f64> {
+    let (null, up) = (effect.null, failed > effect.null);
+    let weaker = |s: f64| if up { s < failed } else { s > failed };
+    let same_side = |s: &&f64| **s == null || (**s > null) == up;
+    let same = || known.iter().filter(same_side).copied();
+    if !sure && same().any(|s| !weaker(s)) {
+        return None;
+    }
+    let last =
+        same().filter(|s| weaker(*s)).fold(null, |a, b| if up { a.max(b) } else { a.min(b) });
+    let half = 0.5 * (effect.scale.forth(last) + effect.scale.forth(failed));
+    Some(effect.scale.back(half))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::Needs;
+    use crate::scale::Scale;
+    use calib::attribution::Layer;
+
+    #[test]
+    fn one_drum_that_fails_does_not_forbid_what_others_have_shown() {
+        let effect = |null: f64, range: (f64, f64), scale: Scale| Effect {
+            path: "a.b".to_owned(),
+            layer: Layer::Physics,
+            null,
+            probes: [0.0, 1.0],
+            range,
+            scale,
+            along: Vec::new(),
+            needs: Needs::Nothing,
+            prior: 1.0,
+            exposed_by: String::new(),
+            meaning: String::new(),
+        };
+        let cohesion = effect(0.0, (0.0, 4e4), Scale::Linear);
+        let known = [2000.0, 8000.0, 12_000.0];
+        assert_eq!(end(&cohesion, &known, 12_000.0, false), None);
+        assert_eq!(end(&cohesion, &known, 12_000.0, true), Some(10_000.0));
+        assert_eq!(end(&cohesion, &known, 20_000.0, false), Some(16_000.0));
+        assert_eq!(end(&cohesion, &[], 20_000.0, false), Some(10_000.0));
+        let stiffness = effect(1.0, (0.1, 10.0), Scale::Log);
+        let low = end(&stiffness, &[3.0], 0.25, false);
+        assert!(low.is_some_and(|l| (l - 0.5).abs() < 1e-12), "{low:?}");
     }
 }

@@ -197,6 +197,7 @@ pub fn close_with_table(
         effort: Effort::nothing(),
         runs: 0,
         cost_s: 0.0,
+        simulated: Vec::new(),
         failed: Vec::new(),
         left_out,
         assumed,

@@ -106,11 +106,42 @@ pub(crate) fn table(run: &Run) -> String {
     text
 }
 
+/// Write one case, and seal what was done to it. A drum that does not settle is no measurement; what it was
+/// stays sealed.
+fn keep(
+    folder: &Path,
+    key: &[u8; 32],
+    truth: &Truth,
+    run: anyhow::Result<Run>,
+) -> anyhow::Result<()> {
+    let run = match run {
+        Ok(run) => run,
+        Err(e) => {
+            println!("{}: {e}", truth.case);
+            return Ok(());
+        }
+    };
+    let own = folder.join("cases").join(&truth.case);
+    std::fs::create_dir_all(&own)?;
+    let without: Vec<String> = if truth.kind == "removed" {
+        truth.effects.iter().map(|(p, _)| p.clone()).collect()
+    } else {
+        Vec::new()
+    };
+    let text = serde_json::to_string(truth)?;
+    let sealed = folder.join("truth").join(format!("{}.sealed", truth.case));
+    std::fs::write(sealed, seal(&text, key))?;
+    std::fs::write(own.join("measured.csv"), table(&run))?;
+    std::fs::write(own.join("case.toml"), case_text(&without))?;
+    Ok(())
+}
+
 pub(crate) fn run(folder: &Path, seed: u64, jobs: usize) -> anyhow::Result<()> {
     let truths = drums::all(seed);
     let key = *blake3::hash(format!("seal {seed}").as_bytes()).as_bytes();
-    let sealed = folder.join("truth");
-    std::fs::create_dir_all(&sealed)?;
+    let hex: String = key.iter().map(|b| format!("{b:02x}")).collect();
+    std::fs::create_dir_all(folder.join("truth"))?;
+    std::fs::write(folder.join("truth/key"), hex)?;
     let lab = nature_lab(folder, jobs)?;
     let rigs = truths
         .iter()
@@ -118,51 +149,32 @@ pub(crate) fn run(folder: &Path, seed: u64, jobs: usize) -> anyhow::Result<()> {
         .map(|(k, t)| nature(t, seed * 1000 + 17 * k as u64))
         .collect::<anyhow::Result<Vec<_>>>()?;
     println!("{} drums", rigs.len());
-    let other = locate("TUMBLE_LIGGGHTS", "liggghts").ok();
     let is_ours = |k: &usize| truths[*k].code == "tumble";
-    let own: Vec<usize> = (0..truths.len()).filter(is_ours).collect();
+    let (own, others): (Vec<usize>, Vec<usize>) = (0..truths.len()).partition(is_ours);
     let own_rigs: Vec<Rig> = own.iter().map(|k| rigs[*k].clone()).collect();
     let runs = lab.run(&own_rigs, |d| {
         let cost = d.run.map_or(f64::NAN, |r| r.cost_s);
         println!("{} of {}: {cost:.0} s", d.index + 1, own.len());
     });
-    let mut all: Vec<Option<anyhow::Result<Run>>> = truths.iter().map(|_| None).collect();
     for (k, run) in own.into_iter().zip(runs) {
-        all[k] = Some(run.map_err(Into::into));
+        keep(folder, &key, &truths[k], run.map_err(Into::into))?;
     }
-    for (k, truth) in truths.iter().enumerate().filter(|(_, t)| t.code != "tumble") {
+    let other = locate("TUMBLE_LIGGGHTS", "liggghts").ok();
+    for k in others {
+        let truth = &truths[k];
         let Some(program) = &other else {
             println!("{}: left out, LIGGGHTS is not installed", truth.case);
             continue;
         };
-        let own = folder.join("decks").join(&truth.case);
-        all[k] = Some(elsewhere::run(program, &rigs[k], &own, INTERVAL_S, RESOLUTION));
+        let deck = folder.join("decks").join(&truth.case);
+        keep(
+            folder,
+            &key,
+            truth,
+            elsewhere::run(program, &rigs[k], &deck, INTERVAL_S, RESOLUTION),
+        )?;
         println!("{} by another code", truth.case);
     }
-    for (truth, run) in truths.iter().zip(all) {
-        let Some(run) = run else { continue };
-        let run = match run {
-            Ok(run) => run,
-            Err(e) => {
-                // A drum that does not settle is no measurement; what it was stays sealed.
-                println!("{}: {e}", truth.case);
-                continue;
-            }
-        };
-        let own = folder.join("cases").join(&truth.case);
-        std::fs::create_dir_all(&own)?;
-        let without: Vec<String> = if truth.kind == "removed" {
-            truth.effects.iter().map(|(p, _)| p.clone()).collect()
-        } else {
-            Vec::new()
-        };
-        std::fs::write(own.join("case.toml"), case_text(&without))?;
-        std::fs::write(own.join("measured.csv"), table(&run))?;
-        let text = serde_json::to_string(truth)?;
-        std::fs::write(sealed.join(format!("{}.sealed", truth.case)), seal(&text, &key))?;
-    }
-    let hex: String = key.iter().map(|b| format!("{b:02x}")).collect();
-    std::fs::write(sealed.join("key"), hex)?;
     println!("{} cases in {}", truths.len(), folder.display());
     Ok(())
 }

@@ -73,7 +73,9 @@ pub(crate) fn run(
         .collect();
     names.sort();
     let answers = folder.join("answers");
+    let details = folder.join("details");
     std::fs::create_dir_all(&answers)?;
+    std::fs::create_dir_all(&details)?;
     let mut given = Vec::new();
     for name in &names {
         let kept = answers.join(format!("{name}.json"));
@@ -95,6 +97,8 @@ pub(crate) fn run(
         if !json {
             println!("{name}: {}", outcome.sentence);
         }
+        let detail = details.join(format!("{name}.json"));
+        std::fs::write(detail, serde_json::to_string(&outcome)?)?;
         std::fs::write(&kept, serde_json::to_string_pretty(&answer)?)?;
         given.push(answer);
     }

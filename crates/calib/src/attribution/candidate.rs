@@ -163,7 +163,8 @@ pub struct Settings {
     /// Prior mass on two effects at once. What remains is divided among the candidates by
     /// their weights.
     pub prior_pairs: f64,
-    /// Likelihood ratio to the best effect within which an effect belongs to its class.
+    /// Likelihood ratio to the best effect within which an effect belongs to its class; members beyond
+    /// those that hold all but one part in so many of the class's likelihood are left out.
     pub class_ratio: f64,
     /// Whitened cosine above which two signatures count as collinear.
     pub class_cosine: f64,

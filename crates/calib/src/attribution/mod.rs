@@ -59,12 +59,13 @@ impl Attribution<'_> {
         report::finding(self)
     }
 
-    /// Best fit of the base, then of each candidate in the order given, without any test: for
-    /// choosing what to simulate next. Their deviance holds what strengths cost by their priors.
+    /// Best fit of the base, and for each candidate in the order given every optimum that was found, best
+    /// first, without any test: for choosing what to simulate next. Their deviance holds what strengths
+    /// cost by their priors.
     ///
     /// # Errors
     /// As [`Attribution::attribute`].
-    pub fn fits(&self) -> Result<Vec<Fit>, CalibError> {
+    pub fn fits(&self) -> Result<(Fit, Vec<Vec<Fit>>), CalibError> {
         self.check()?;
         report::fits(self)
     }

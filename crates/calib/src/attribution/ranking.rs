@@ -10,7 +10,7 @@ use super::evidence::{laplace, unknown};
 use super::gate::{Case, Screen};
 use super::held_out::{Compared, predict};
 use super::model::Model;
-use super::solver::{Settled, settle};
+use super::solver::{Settled, optima};
 use super::{Layer, Verdict};
 use crate::{CalibError, chi_square_p};
 
@@ -198,7 +198,6 @@ pub(super) fn decide<'s>(
 ) -> Result<Decision<'s>, CalibError> {
     let settings = &case.attribution.settings;
     let level = settings.level;
-    let within = 2.0 * settings.class_ratio.ln();
     let folds = Folds::all(case);
     let base = &screen.base;
     let mut singles = Vec::new();
@@ -225,7 +224,7 @@ pub(super) fn decide<'s>(
     }
     sort(&mut singles);
     let name = |k: usize| case.attribution.candidates[k].name.clone();
-    let class = class_of(&singles, within);
+    let class = class_of(&singles, settings.class_ratio);
     let mut pairs = Vec::new();
     let verdict = if screen.gate.passes {
         Verdict::None
@@ -235,7 +234,7 @@ pub(super) fn decide<'s>(
         Verdict::Class(class.iter().map(|i| name(singles[*i].of[0])).collect())
     } else {
         pairs = fit_pairs(case, base, &singles, &folds)?;
-        let class = class_of(&pairs, within);
+        let class = class_of(&pairs, settings.class_ratio);
         if (1..=settings.most_pairs).contains(&class.len()) {
             let both = |i: &usize| [name(pairs[*i].of[0]), name(pairs[*i].of[1])];
             Verdict::Pairs(class.iter().map(both).collect())
@@ -253,13 +252,21 @@ fn sort(judged: &mut [Judged<'_>]) {
     judged.sort_by(|a, b| a.deviance().total_cmp(&b.deviance()));
 }
 
-/// The best that is eligible, and all that explain the data as well.
-fn class_of(judged: &[Judged<'_>], within: f64) -> Vec<usize> {
+/// The best that is eligible, and those that explain the data as well: within the ratio of it, and of these
+/// no more than hold all but one part in `ratio` of the likelihood together.
+fn class_of(judged: &[Judged<'_>], ratio: f64) -> Vec<usize> {
     let Some(winner) = judged.iter().position(|j| j.eligible) else { return Vec::new() };
-    let limit = judged[winner].deviance() + within;
-    let also = |i: &usize| judged[*i].explains && judged[*i].deviance() <= limit;
+    let likelihood = |i: usize| (0.5 * (judged[winner].deviance() - judged[i].deviance())).exp();
+    let also = |i: &usize| judged[*i].explains && likelihood(*i) * ratio >= 1.0;
     let mut class: Vec<usize> = (0..judged.len()).filter(also).collect();
     class.sort_by_key(|i| (*i != winner, *i));
+    let all: f64 = class.iter().map(|i| likelihood(*i)).sum();
+    let mut held = 0.0;
+    class.retain(|i| {
+        let wanted = held < (1.0 - 1.0 / ratio) * all;
+        held += likelihood(*i);
+        wanted || *i == winner
+    });
     class
 }
 
@@ -270,6 +277,17 @@ pub(super) fn fit<'s>(
     of: Vec<usize>,
     base: &Settled,
 ) -> Result<Judged<'s>, CalibError> {
+    let first = fits(case, model, &of, base)?.into_iter().next();
+    first.ok_or(CalibError::Lengths { what: "starts of a fit", expected: 1, given: 0 })
+}
+
+/// Every optimum of such a model, best deviance first.
+pub(super) fn fits<'s>(
+    case: &Case<'_, 's>,
+    model: &Model<'s>,
+    of: &[usize],
+    base: &Settled,
+) -> Result<Vec<Judged<'s>>, CalibError> {
     let absent = model.unit(&model.absent(&base.theta));
     let frictions = &absent[..model.frictions()];
     let mut starts: Vec<Vec<f64>> = model
@@ -284,32 +302,34 @@ pub(super) fn fit<'s>(
             starts.extend(model.strength_starts().into_iter().skip(1).map(elsewhere));
         }
     }
-    let fit = settle(model, &case.data, &starts)?;
-    let strengths = &fit.theta[model.frictions()..];
-    let penalty = of
-        .iter()
-        .zip(strengths)
-        .filter_map(|(k, s)| {
-            let candidate = &case.attribution.candidates[*k];
-            candidate.strength_sd.map(|sd| ((s - candidate.null) / sd).powi(2))
-        })
-        .sum();
-    let p_absolute = chi_square_p(fit.chi2, case.data.len().saturating_sub(model.len()));
-    Ok(Judged {
-        of,
-        model: model.clone(),
-        fit,
-        penalty,
-        p_absolute,
-        p_single: 1.0,
-        p_family: 1.0,
-        gain: None,
-        at_ends: None,
-        worsens: Vec::new(),
-        objections: Vec::new(),
-        explains: true,
-        eligible: false,
-    })
+    let judged = |fit: Settled| {
+        let strengths = &fit.theta[model.frictions()..];
+        let penalty = of
+            .iter()
+            .zip(strengths)
+            .filter_map(|(k, s)| {
+                let candidate = &case.attribution.candidates[*k];
+                candidate.strength_sd.map(|sd| ((s - candidate.null) / sd).powi(2))
+            })
+            .sum();
+        let p_absolute = chi_square_p(fit.chi2, case.data.len().saturating_sub(model.len()));
+        Judged {
+            of: of.to_vec(),
+            model: model.clone(),
+            fit,
+            penalty,
+            p_absolute,
+            p_single: 1.0,
+            p_family: 1.0,
+            gain: None,
+            at_ends: None,
+            worsens: Vec::new(),
+            objections: Vec::new(),
+            explains: true,
+            eligible: false,
+        }
+    };
+    Ok(optima(model, &case.data, &starts)?.into_iter().map(judged).collect())
 }
 
 /// All pairs.

@@ -4,7 +4,7 @@ use super::evidence::{Profile, laplace, log_mean, profile, unknown};
 use super::gate::{Case, Screen};
 use super::model::Model;
 use super::next;
-use super::ranking::{Decision, Judged, decide, fit, pairs_fitted};
+use super::ranking::{self, Decision, Judged, decide, pairs_fitted};
 use super::signature::{classes, cosines, detectable, signatures};
 use super::solver::Settled;
 use super::stability::{self, overturn};
@@ -77,19 +77,22 @@ pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibErr
     })
 }
 
-/// Best fits of the base and of every candidate.
-pub(super) fn fits(attribution: &Attribution<'_>) -> Result<Vec<Fit>, CalibError> {
+/// Best fit of the base, and every optimum of every candidate.
+pub(super) fn fits(attribution: &Attribution<'_>) -> Result<(Fit, Vec<Vec<Fit>>), CalibError> {
     let observations = &attribution.base.observations;
     let case = Case::new(attribution, observations, Variation::default(), true)?;
     let base = case.fit_base()?;
-    let mut all = vec![report_fit(&case, &case.base, &base)?];
+    let mut all = Vec::new();
     for (k, model) in case.singles.iter().enumerate() {
-        let judged = fit(&case, model, vec![k], &base)?;
-        let mut own = report_fit(&case, model, &judged.fit)?;
-        own.deviance += judged.penalty;
-        all.push(own);
+        let optima = ranking::fits(&case, model, &[k], &base)?;
+        let one = |judged: &Judged<'_>| {
+            let mut own = report_fit(&case, model, &judged.fit)?;
+            own.deviance += judged.penalty;
+            Ok::<Fit, CalibError>(own)
+        };
+        all.push(optima.iter().map(one).collect::<Result<_, _>>()?);
     }
-    Ok(all)
+    Ok((report_fit(&case, &case.base, &base)?, all))
 }
 
 /// Best fits of every pair.

@@ -21,6 +21,9 @@ pub(super) const FINE: f64 = 1e-9;
 /// scatter of chi-square with one degree of freedom.
 pub(super) const COARSE: f64 = 0.03;
 
+/// Distance in some coordinate, part of its range, beyond which two ends of searches are two optima.
+const DISTINCT: f64 = 0.1;
+
 /// Searches at renewed covariances.
 const SETTLINGS: usize = 6;
 
@@ -182,7 +185,17 @@ pub(super) fn settle(
     data: &Data,
     starts: &[Vec<f64>],
 ) -> Result<Settled, CalibError> {
-    let mut best: Option<Settled> = None;
+    let first = optima(model, data, starts)?.into_iter().next();
+    first.ok_or(CalibError::Lengths { what: "starts of a fit", expected: 1, given: 0 })
+}
+
+/// Optima that searches from several starts (unit ranges) end in, best deviance first.
+pub(super) fn optima(
+    model: &Model<'_>,
+    data: &Data,
+    starts: &[Vec<f64>],
+) -> Result<Vec<Settled>, CalibError> {
+    let mut found: Vec<Settled> = Vec::new();
     for start in starts {
         let mut unit = start.clone();
         for round in 0..SETTLINGS {
@@ -191,8 +204,7 @@ pub(super) fn settle(
             let search = Search { model, data, weight: &weight };
             let point = search.point(&unit, data.pick(&predicted.mean))?;
             let solved = search.descend(&data.y, &point, None, FINE)?;
-            let moved =
-                solved.unit.iter().zip(&unit).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let moved = apart(&solved.unit, &unit);
             unit = solved.unit;
             if (moved < 1e-5 && round > 0) || round + 1 == SETTLINGS {
                 let point = search.point_at(&unit)?;
@@ -203,14 +215,24 @@ pub(super) fn settle(
                     weight,
                     point,
                 };
-                if best.as_ref().is_none_or(|b| settled.deviance() < b.deviance()) {
-                    best = Some(settled);
-                }
+                let place = found.partition_point(|f| f.deviance() <= settled.deviance());
+                found.insert(place, settled);
                 break;
             }
         }
     }
-    best.ok_or(CalibError::Lengths { what: "starts of a fit", expected: 1, given: 0 })
+    let mut distinct: Vec<Settled> = Vec::new();
+    for one in found {
+        if distinct.iter().all(|d| apart(&d.point.unit, &one.point.unit) > DISTINCT) {
+            distinct.push(one);
+        }
+    }
+    Ok(distinct)
+}
+
+/// Largest difference of two points in any coordinate.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// Starts spread over the frictions: the middle and the corners of the inner three fifths.
