@@ -9,7 +9,7 @@ use crate::confirm::Learned;
 use crate::driver::{State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::refine::Asked;
+use crate::refine::{Asked, ENOUGH};
 
 impl State<'_> {
     /// Models of the pairs that were simulated, by their names.
@@ -116,7 +116,7 @@ impl State<'_> {
             [(e, _), (f, _)] => self.pair_model(base, [e, f], own)?,
             _ => return Ok(None),
         };
-        let known = self.settled(&effects, &model, &at);
+        let known = self.settled(&effects, &model, &at, ENOUGH[0]);
         Ok((!known).then_some(Asked { effects, at }))
     }
 

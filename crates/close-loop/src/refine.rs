@@ -2,7 +2,7 @@
 //! as long as nobody knows what it does there.
 
 use calib::CalibError;
-use calib::attribution::{Fit, Settings, at_the_end};
+use calib::attribution::{Settings, Trial, at_the_end};
 
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model};
@@ -18,8 +18,17 @@ const BATCH: usize = 2;
 /// about two runs at the point.
 const KNOWN: f64 = 0.6;
 
-/// Runs near a point that are enough in any case, and how near, coded units.
-const ENOUGH: (usize, f64) = (3, 0.5);
+/// Runs near a point that are enough: as long as others are open, and in any case.
+pub(crate) const ENOUGH: [usize; 2] = [3, 6];
+
+/// How near, coded units.
+const NEAR: f64 = 0.5;
+
+/// Least distance of two points of an effect that are run together, coded units.
+const APART: f64 = 0.9;
+
+/// Intervals of a strength's range at whose ends it is tried.
+const STRENGTHS: usize = 24;
 
 /// Deviance by which an effect must be better than the base to be simulated.
 const WORTH: f64 = 4.0;
@@ -31,6 +40,14 @@ const FORLORN: f64 = 1e-6;
 pub(crate) struct Asked {
     pub(crate) effects: Vec<Effect>,
     pub(crate) at: Vec<f64>,
+}
+
+/// A point of one effect.
+struct Place<'m> {
+    effect: &'m Effect,
+    model: &'m Emulator,
+    at: Vec<f64>,
+    trial: Trial,
 }
 
 impl State<'_> {
@@ -114,54 +131,133 @@ impl State<'_> {
 
     /// Whether runs have said at a point what they can: enough of them, a model that is sure, or a drum that
     /// cannot be simulated there.
-    pub(crate) fn settled(&self, effects: &[Effect], model: &Emulator, at: &[f64]) -> bool {
-        let near = |x: &[f64]| model.apart(x, at) < ENOUGH.1;
+    pub(crate) fn settled(
+        &self,
+        effects: &[Effect],
+        model: &Emulator,
+        at: &[f64],
+        enough: usize,
+    ) -> bool {
+        let near = |x: &[f64]| model.apart(x, at) < NEAR;
         let made = self.seen(effects).iter().filter(|s| near(&s.at)).count();
-        let known = model.doubt(at) <= KNOWN || made >= ENOUGH.0;
+        let known = model.doubt(at) <= KNOWN || made >= enough;
         known || self.lost(effects).iter().any(|x| near(x))
     }
 
-    /// Best points of the effects that may explain the data best and of which too little is known there.
+    /// Points at which effects may explain the data best and at which too little is known of them: first
+    /// where hardly anything is, then where more would tell.
     fn doubtful(&self, count: usize, settings: &Settings) -> Result<Vec<Asked>, CalibError> {
         let base = self.base_model()?;
         let models = self.models(&base)?;
-        let (without, fits) = self.question(&base, &models, &[], settings).fits()?;
-        // Every optimum: behind the best one of an effect, which turns out not to fit, may be another.
-        let mut order: Vec<(&Fit, &(&Effect, Coded))> =
-            fits.iter().zip(&models).flat_map(|(own, m)| own.iter().map(move |f| (f, m))).collect();
-        order.sort_by(|a, b| a.0.deviance.total_cmp(&b.0.deviance));
-        let mut limit = without.deviance - WORTH;
-        let (mut points, mut forlorn) = (Vec::new(), Vec::new());
-        for (fit, (effect, coded)) in order {
-            let at = coded.decoded(&fit.theta);
-            let open = match &coded.inner {
-                Model::Runs(model) => !self.settled(std::slice::from_ref(*effect), model, &at),
-                Model::Curve(_) => {
-                    // A reading at the end of its range stands for something else.
-                    let (low, high) = coded.range(effect.range);
-                    if fit.theta.last().is_some_and(|v| at_the_end((v - low) / (high - low))) {
-                        continue;
-                    }
-                    false
+        let places = self.places(&base, &models, settings)?;
+        for enough in ENOUGH {
+            let mut points: Vec<Asked> = Vec::new();
+            let open = places
+                .iter()
+                .filter(|p| !self.settled(&[p.effect.clone()], p.model, &p.at, enough));
+            for place in open {
+                let at = self.on_grid(place.effect, &place.at);
+                let beside = |a: &Asked| {
+                    a.effects[0].path == place.effect.path && place.model.apart(&a.at, &at) < APART
+                };
+                if points.len() < count && !points.iter().any(beside) {
+                    points.push(Asked { effects: vec![place.effect.clone()], at });
                 }
-            };
-            // What a model that knows little here may turn out to be: as close, and as sure as the base.
-            let hope = if open { fit.chi2 + without.deviance - without.chi2 } else { fit.deviance };
-            if hope > limit {
-                continue;
             }
-            if open {
-                let at = self.on_grid(effect, &at);
-                let asked = Asked { effects: vec![(*effect).clone()], at };
-                if fit.p > FORLORN { &mut points } else { &mut forlorn }.push(asked);
-            } else if fit.p > settings.level {
-                // Only what may be as good as this is worth a run.
-                limit = limit.min(fit.deviance + 2.0 * settings.class_ratio.ln());
+            if !points.is_empty() {
+                return Ok(points);
             }
         }
-        points.extend(forlorn);
-        points.truncate(count);
-        Ok(points)
+        Ok(Vec::new())
+    }
+
+    /// Where effects that are simulated may explain the data as well as any that is known to: their optima,
+    /// and the best strength at each of a number of frictions, since what is known least is often the far
+    /// end of a valley. Those that fit with what their models do not know come first, best first.
+    fn places<'m>(
+        &self,
+        base: &Emulator,
+        models: &'m [(&'m Effect, Coded)],
+        settings: &Settings,
+    ) -> Result<Vec<Place<'m>>, CalibError> {
+        let question = self.question(base, models, &[], settings);
+        let (without, optima) = question.fits()?;
+        let mut limit = without.deviance - WORTH;
+        // Only what may be as good as something known that fits is worth a run.
+        for (own, (effect, coded)) in optima.iter().zip(models) {
+            for fit in own.iter().filter(|f| f.p > settings.level) {
+                let at = coded.decoded(&fit.theta);
+                let stands = match &coded.inner {
+                    Model::Runs(model) => {
+                        self.settled(std::slice::from_ref(*effect), model, &at, ENOUGH[0])
+                    }
+                    // A reading at the end of its range stands for something else.
+                    Model::Curve(_) => {
+                        let (low, high) = coded.range(effect.range);
+                        let part = fit.theta.last().map(|v| (v - low) / (high - low));
+                        part.is_some_and(|p| !at_the_end(p))
+                    }
+                };
+                if stands {
+                    limit = limit.min(fit.deviance + 2.0 * settings.class_ratio.ln());
+                }
+            }
+        }
+        let frictions = self.frictions();
+        let mut places = Vec::new();
+        for (k, (own, (effect, coded))) in optima.iter().zip(models).enumerate() {
+            let Model::Runs(model) = &coded.inner else { continue };
+            let (low, high) = coded.range(effect.range);
+            let mut thetas: Vec<Vec<f64>> = own.iter().map(|f| f.theta.clone()).collect();
+            let first = thetas.len();
+            for friction in &frictions {
+                for s in 0..=STRENGTHS {
+                    let v = low + (high - low) * s as f64 / STRENGTHS as f64;
+                    thetas.push(friction.iter().copied().chain([v]).collect());
+                }
+            }
+            let trials = question.trials(k, &thetas)?;
+            let better = |a: &&(Vec<f64>, Trial), b: &&(Vec<f64>, Trial)| {
+                a.1.deviance.total_cmp(&b.1.deviance)
+            };
+            let all: Vec<(Vec<f64>, Trial)> = thetas.into_iter().zip(trials).collect();
+            let along = all[first..].chunks(STRENGTHS + 1).filter_map(|c| c.iter().min_by(better));
+            for (theta, trial) in all[..first].iter().chain(along) {
+                // What a model that knows little here may turn out to be: as close, and as sure as the base.
+                let hope = trial.chi2 + trial.penalty + without.deviance - without.chi2;
+                if hope.min(trial.deviance) <= limit {
+                    let at = coded.decoded(theta);
+                    places.push(Place { effect, model, at, trial: *trial });
+                }
+            }
+        }
+        places.sort_by(|a, b| {
+            let forlorn = |p: &Place<'_>| p.trial.p <= FORLORN;
+            forlorn(a).cmp(&forlorn(b)).then(a.trial.deviance.total_cmp(&b.trial.deviance))
+        });
+        Ok(places)
+    }
+
+    /// Values of the free parameters, equally spaced in their coordinates, in all combinations.
+    fn frictions(&self) -> Vec<Vec<f64>> {
+        let each = match self.setup.free.len() {
+            0 | 1 => 11,
+            2 => 6,
+            _ => 4,
+        };
+        let mut all = vec![Vec::new()];
+        for (axis, free) in self.setup.axes.iter().zip(&self.setup.free) {
+            let (low, high) = (axis.scale.forth(free.range.0), axis.scale.forth(free.range.1));
+            let value =
+                |k: usize| axis.scale.back(low + (high - low) * k as f64 / (each - 1) as f64);
+            all = all
+                .iter()
+                .flat_map(|p: &Vec<f64>| {
+                    (0..each).map(|k| p.iter().copied().chain([value(k)]).collect())
+                })
+                .collect();
+        }
+        all
     }
 
     /// The nearest point of a grid, so that loops on the same rig share runs.

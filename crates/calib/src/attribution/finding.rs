@@ -44,6 +44,19 @@ pub struct Fit {
     pub residuals: Vec<ResidualPoint>,
 }
 
+/// A model with one effect at given parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// Squared whitened residual.
+    pub chi2: f64,
+    /// What the strength costs by its prior.
+    pub penalty: f64,
+    /// Chi-square, logarithm of the determinant of the covariance, and penalty.
+    pub deviance: f64,
+    /// Chi-square probability with a degree of freedom for each observation less one for each parameter.
+    pub p: f64,
+}
+
 /// One residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

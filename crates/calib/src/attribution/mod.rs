@@ -23,7 +23,8 @@ mod stability;
 pub use candidate::{Candidate, CodeCovariance, Experiment, Layer, PairModel, Settings};
 pub use finding::{
     CollinearClass, Detectable, Evidence, Finding, Fit, Gate, HeldOut, HeldOutResponse,
-    NextExperiment, Overturn, PairFit, Ranked, ResidualPoint, StabilityRow, Strength, Verdict,
+    NextExperiment, Overturn, PairFit, Ranked, ResidualPoint, StabilityRow, Strength, Trial,
+    Verdict,
 };
 
 pub use ranking::at_the_end;
@@ -68,6 +69,16 @@ impl Attribution<'_> {
     pub fn fits(&self) -> Result<(Fit, Vec<Vec<Fit>>), CalibError> {
         self.check()?;
         report::fits(self)
+    }
+
+    /// Candidate `k`, by the order given, at parameters of one's own (frictions, then the strength): how well
+    /// it explains the data there, nothing fitted. To see where along a valley of such fits little is known.
+    ///
+    /// # Errors
+    /// As [`Attribution::attribute`].
+    pub fn trials(&self, k: usize, thetas: &[Vec<f64>]) -> Result<Vec<Trial>, CalibError> {
+        self.check()?;
+        report::trials(self, k, thetas)
     }
 
     /// Best fit of every pair, best deviance first, without any test; `eligible` says only that it fits and

@@ -303,15 +303,7 @@ pub(super) fn fits<'s>(
         }
     }
     let judged = |fit: Settled| {
-        let strengths = &fit.theta[model.frictions()..];
-        let penalty = of
-            .iter()
-            .zip(strengths)
-            .filter_map(|(k, s)| {
-                let candidate = &case.attribution.candidates[*k];
-                candidate.strength_sd.map(|sd| ((s - candidate.null) / sd).powi(2))
-            })
-            .sum();
+        let penalty = penalty(case, of, &fit.theta[model.frictions()..]);
         let p_absolute = chi_square_p(fit.chi2, case.data.len().saturating_sub(model.len()));
         Judged {
             of: of.to_vec(),
@@ -330,6 +322,15 @@ pub(super) fn fits<'s>(
         }
     };
     Ok(optima(model, &case.data, &starts)?.into_iter().map(judged).collect())
+}
+
+/// Squared strengths in units of their prior standard deviations.
+pub(super) fn penalty(case: &Case<'_, '_>, of: &[usize], strengths: &[f64]) -> f64 {
+    let one = |(k, s): (&usize, &f64)| {
+        let candidate = &case.attribution.candidates[*k];
+        candidate.strength_sd.map(|sd| ((s - candidate.null) / sd).powi(2))
+    };
+    of.iter().zip(strengths).filter_map(one).sum()
 }
 
 /// All pairs.

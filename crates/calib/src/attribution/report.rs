@@ -9,10 +9,12 @@ use super::signature::{classes, cosines, detectable, signatures};
 use super::solver::Settled;
 use super::stability::{self, overturn};
 use super::{
-    Attribution, Evidence, Finding, Fit, HeldOut, PairFit, Ranked, ResidualPoint, Strength, Verdict,
+    Attribution, Evidence, Finding, Fit, HeldOut, PairFit, Ranked, ResidualPoint, Strength, Trial,
+    Verdict,
 };
 use crate::attribution::data::Variation;
 use crate::attribution::linear::covariance;
+use crate::covariance::square;
 use crate::{CalibError, chi_square_p, upper_quantile};
 
 /// The whole finding.
@@ -93,6 +95,29 @@ pub(super) fn fits(attribution: &Attribution<'_>) -> Result<(Fit, Vec<Vec<Fit>>)
         all.push(optima.iter().map(one).collect::<Result<_, _>>()?);
     }
     Ok((report_fit(&case, &case.base, &base)?, all))
+}
+
+/// A candidate at given parameters.
+pub(super) fn trials(
+    attribution: &Attribution<'_>,
+    k: usize,
+    thetas: &[Vec<f64>],
+) -> Result<Vec<Trial>, CalibError> {
+    let observations = &attribution.base.observations;
+    let case = Case::new(attribution, observations, Variation::default(), true)?;
+    let Some(model) = case.singles.get(k) else { return Ok(Vec::new()) };
+    let dof = case.data.len() - model.len();
+    let one = |theta: &Vec<f64>| {
+        let predicted = model.predict(theta, &case.data.speeds)?;
+        let weight = case.data.weight(&predicted, None)?;
+        let mean = case.data.pick(&predicted.mean);
+        let residual: Vec<f64> = case.data.y.iter().zip(&mean).map(|(y, m)| y - m).collect();
+        let chi2 = square(&weight.whiten(&residual));
+        let penalty = ranking::penalty(&case, &[k], &theta[model.frictions()..]);
+        let deviance = chi2 + weight.log_det + penalty;
+        Ok(Trial { chi2, penalty, deviance, p: chi_square_p(chi2, dof) })
+    };
+    thetas.iter().map(one).collect()
 }
 
 /// Best fits of every pair.
