@@ -154,7 +154,7 @@ impl State<'_> {
             let mut points: Vec<Asked> = Vec::new();
             let open = places
                 .iter()
-                .filter(|p| !self.settled(&[p.effect.clone()], p.model, &p.at, enough));
+                .filter(|p| !self.settled(std::slice::from_ref(p.effect), p.model, &p.at, enough));
             for place in open {
                 let at = self.on_grid(place.effect, &place.at);
                 let beside = |a: &Asked| {

@@ -202,7 +202,7 @@ pub(super) fn decide<'s>(
     let base = &screen.base;
     let mut singles = Vec::new();
     for (k, model) in case.singles.iter().enumerate() {
-        let mut judged = fit(case, model, vec![k], base)?;
+        let mut judged = fit(case, model, &[k], base)?;
         (judged.p_single, judged.p_family) = screen.p_values(k);
         if !(judged.p_absolute > level) {
             judged.objections.push(format!("does not fit (p {:.2e})", judged.p_absolute));
@@ -274,10 +274,10 @@ fn class_of(judged: &[Judged<'_>], ratio: f64) -> Vec<usize> {
 pub(super) fn fit<'s>(
     case: &Case<'_, 's>,
     model: &Model<'s>,
-    of: Vec<usize>,
+    of: &[usize],
     base: &Settled,
 ) -> Result<Judged<'s>, CalibError> {
-    let first = fits(case, model, &of, base)?.into_iter().next();
+    let first = fits(case, model, of, base)?.into_iter().next();
     first.ok_or(CalibError::Lengths { what: "starts of a fit", expected: 1, given: 0 })
 }
 
@@ -384,7 +384,7 @@ pub(super) fn pairs_fitted<'s>(
         for b in a + 1..candidates.len() {
             let model = Model::pair(problem, &candidates[a], &candidates[b], together)?;
             if case.data.len() > model.len() {
-                pairs.push(fit(case, &model, vec![a, b], base)?);
+                pairs.push(fit(case, &model, &[a, b], base)?);
             }
         }
     }
