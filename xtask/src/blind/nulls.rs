@@ -1,31 +1,47 @@
 //! False alarms on simulated drums that lack nothing.
 
+use std::fs::OpenOptions;
 use std::path::Path;
 
 use close_loop::calib::attribution::Verdict;
 use close_loop::campaign::{Laboratory, Sampling};
 use close_loop::rig_schema::{Case, MeasuredTable};
 use close_loop::{CloseLoop, LoopSettings};
+use serde::{Deserialize, Serialize};
 
 use super::drums::truth;
-use super::make::{case_text, nature, nature_lab, table};
+use super::make::{INTERVAL_S, case_text, nature, table};
 use super::score::fit_sampling;
 
+/// What a drum that lacks nothing was called.
+#[derive(Serialize, Deserialize)]
+struct Called {
+    verdict: String,
+    chi2: f64,
+    dof: usize,
+    p: f64,
+    /// What fresh runs made of an alarm.
+    after_fresh_runs: Option<String>,
+}
+
+/// Drums are taken one at a time; several of these commands may share the work, and what is done is kept.
 pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyhow::Result<()> {
-    let nature_lab = nature_lab(folder, jobs)?;
-    let rigs = (0..count)
-        .map(|k| {
-            let truth = truth("null", "tumble", [0.28, 0.37, 0.46][k % 3], &[]);
-            nature(&truth, 900_000 + k as u64)
-        })
-        .collect::<anyhow::Result<Vec<_>>>()?;
-    let data = nature_lab.run(&rigs, |_| ());
-    let sampling: Sampling = fit_sampling();
-    let lab = Laboratory::open(&folder.join("fits"), jobs, sampling)?;
+    let own = folder.join("nulls");
+    std::fs::create_dir_all(&own)?;
+    let picture = fit_sampling();
+    let sampling = Sampling { frame_interval_s: Some(INTERVAL_S), ..picture };
+    let nature_lab = Laboratory::open(&folder.join("nature-nulls"), jobs, sampling)?;
+    let lab = Laboratory::open(&folder.join("fits"), jobs, picture)?;
     let case = Case::parse("null.toml", &case_text(&[]))?;
-    let (mut alarms, mut sets, mut below) = (0, 0, 0);
-    for (k, run) in data.into_iter().enumerate() {
-        let Ok(run) = run else {
+    for k in 0..count {
+        let claim = own.join(format!("{k:03}.taken"));
+        let done = own.join(format!("{k:03}.json"));
+        if done.exists() || OpenOptions::new().write(true).create_new(true).open(&claim).is_err() {
+            continue;
+        }
+        let truth = truth("null", "tumble", [0.28, 0.37, 0.46][k % 3], &[]);
+        let rig = nature(&truth, 900_000 + k as u64)?;
+        let Some(Ok(run)) = nature_lab.run(&[rig], |_| ()).pop() else {
             println!("{k}: the drum failed");
             continue;
         };
@@ -35,15 +51,43 @@ pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyh
         settings.attribution.stability_bootstrap = 0;
         let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
         let finding = looped.find(&mut |_| ())?;
-        sets += 1;
-        below += usize::from(finding.gate.p_combined < 0.1);
+        let mut called = Called {
+            verdict: format!("{:?}", finding.verdict),
+            chi2: finding.gate.chi2,
+            dof: finding.gate.dof,
+            p: finding.gate.p_combined,
+            after_fresh_runs: None,
+        };
         if finding.verdict != Verdict::None {
-            alarms += 1;
+            let outcome = looped.run(&mut |_| ())?;
+            called.after_fresh_runs =
+                Some(format!("{} {}", outcome.verdict, outcome.members.join(", ")));
         }
-        println!(
-            "{k}: {:?}, chi-square {:.1} of {}, p {:.3}; {alarms} alarms in {sets}, {below} below 0.1",
-            finding.verdict, finding.gate.chi2, finding.gate.dof, finding.gate.p_combined
-        );
+        std::fs::write(done, serde_json::to_string(&called)?)?;
+        std::fs::remove_file(claim)?;
+        println!("{k}: {}, chi-square {:.1}, p {:.3}", called.verdict, called.chi2, called.p);
     }
+    summary(&own)
+}
+
+fn summary(own: &Path) -> anyhow::Result<()> {
+    let (mut sets, mut alarms, mut stay, mut below) = (0, 0, 0, 0);
+    for entry in std::fs::read_dir(own)? {
+        let path = entry?.path();
+        if path.extension().is_none_or(|e| e != "json") {
+            continue;
+        }
+        let called: Called = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+        sets += 1;
+        below += usize::from(called.p < 0.1);
+        if let Some(after) = called.after_fresh_runs {
+            alarms += 1;
+            stay += usize::from(!after.starts_with("none"));
+            println!("alarm: {}, then {after}", called.verdict);
+        }
+    }
+    println!(
+        "{sets} drums that lack nothing: {alarms} alarms, {stay} of them after fresh runs; p below 0.1 in {below}"
+    );
     Ok(())
 }
