@@ -76,6 +76,8 @@ pub(crate) fn assemble(rig: &Rig, options: &Options) -> Result<Assembly, Error> 
     let engine = match Kind::of(&rig.contact) {
         Kind::HertzMindlin { cut_tail: true } => parts.world(Constants::hertz_mindlin::<true>)?,
         Kind::HertzMindlin { cut_tail: false } => parts.world(Constants::hertz_mindlin::<false>)?,
+        Kind::Cohesive { cut_tail: true } => parts.world(Constants::cohesive::<true>)?,
+        Kind::Cohesive { cut_tail: false } => parts.world(Constants::cohesive::<false>)?,
         Kind::Spring => parts.world(Constants::spring)?,
         Kind::PartialSlip => parts.world(Constants::partial_slip)?,
     };

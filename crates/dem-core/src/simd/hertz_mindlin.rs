@@ -1,8 +1,9 @@
-//! Hertz, Mindlin with history, damping and constant rolling torque: eight contacts at once.
+//! Hertz, Mindlin with history, damping, constant rolling torque and the pull of simplified JKR: eight
+//! contacts at once.
 //!
 //! Operation by operation the portable path: `forces.rs` for the kinematics, then
 //! `normal/hertz.rs`, `contact/spring.rs`, `contact/friction.rs`, `tangential/mindlin.rs`,
-//! `rolling/constant_torque.rs` and `contact/model.rs`. Whoever changes one of them changes this
+//! `rolling/constant_torque.rs`, `cohesion/sjkr.rs` and `contact/model.rs`. Whoever changes one of them changes this
 //! too: `simd_and_portable_kernels_agree_bit_by_bit` tells.
 
 use super::lanes::{Lanes, V3};
@@ -61,6 +62,8 @@ pub(crate) struct PairKernel<'a> {
     pub(crate) overlap_limit: f64,
     /// Whether roots may be off in the last places.
     pub(crate) fast_roots: bool,
+    /// Whether any law pulls.
+    pub(crate) cohesive: bool,
 }
 
 /// Constants of eight contacts.
@@ -74,6 +77,7 @@ pub(super) struct Laws<V> {
     arm_length: V,
     arm_ratio: V,
     least_force: V,
+    energy_density: V,
     /// Roots of `2 E*` and `8 G*`.
     normal_root: V,
     shear_root: V,
@@ -107,6 +111,7 @@ impl<V: Lanes> Laws<V> {
             arm_length: make(|c| c.arm_length),
             arm_ratio: make(|c| c.arm_ratio),
             least_force: make(|c| c.least_force),
+            energy_density: make(|c| c.energy_density),
             normal_root: make(|c| (2.0 * c.e_star).sqrt()),
             shear_root: make(|c| (8.0 * c.g_star).sqrt()),
         }
@@ -126,6 +131,8 @@ pub(super) struct Motion<V> {
     pub(super) lever_j: V,
     pub(super) r_star: V,
     pub(super) m_star: V,
+    pub(super) radius_i: V,
+    pub(super) radius_j: V,
     pub(super) twist: V,
     pub(super) dt: V,
 }
@@ -192,11 +199,28 @@ fn large_sin_cos<V: Lanes>(x: V, sin: V, cos: V, large: u8) -> (V, V) {
     (V::load(&sines), V::load(&cosines))
 }
 
-/// The laws.
+/// Simplified JKR.
+#[inline(always)]
+fn pull<V: Lanes>(m: &Motion<V>, energy_density: V, d: V) -> V {
+    let (one, two) = (V::splat(1.0), V::splat(2.0));
+    let (r, kappa) = (m.radius_i, one / m.radius_j);
+    let sum = r * kappa + one;
+    let distance = sum - d * kappa;
+    let area = V::splat(std::f64::consts::PI)
+        * d
+        * (two * sum - d * kappa)
+        * (two * r - d)
+        * (two - d * kappa)
+        / (V::splat(4.0) * distance * distance);
+    energy_density * area
+}
+
+/// The laws; `cohesive` tells whether any of them pulls.
 #[inline(always)]
 pub(super) fn respond<V: Lanes, const FAST: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
+    cohesive: bool,
     old: V3<V>,
     old_stiffness: V,
     touching: u8,
@@ -246,8 +270,9 @@ pub(super) fn respond<V: Lanes, const FAST: bool>(
         rolling * (-(arm * load) / speed2.sqrt().max(tiny))
     };
     let moment = n.cross(shear);
+    let repulsion = if cohesive { normal - pull(m, laws.energy_density, delta) } else { normal };
     Out {
-        force: shear - n * normal,
+        force: shear - n * repulsion,
         torque_i: moment * m.lever_i + torque,
         torque_j: moment * m.lever_j - torque,
         spring,
@@ -478,11 +503,13 @@ impl PairKernel<'_> {
             lever_j,
             r_star,
             m_star,
+            radius_i: ri,
+            radius_j: rj,
             twist: V::splat(0.5) * (wi + wj).dot(n) * dt,
             dt,
         };
         let (old, old_stiffness) = load_memory::<V>(b.memory);
-        let out = respond::<V, FAST>(&motion, laws, old, old_stiffness, touching);
+        let out = respond::<V, FAST>(&motion, laws, self.cohesive, old, old_stiffness, touching);
         store(b, touching, &out);
     }
 }

@@ -17,7 +17,7 @@ pub(crate) use hertz_mindlin::{PairKernel, Run};
 pub(crate) use lanes::Quad;
 pub(crate) use wall::WallRun;
 
-use crate::contact::cohesion::Cohesionless;
+use crate::contact::cohesion::{Cohesionless, Sjkr};
 use crate::contact::model::ContactModel;
 use crate::contact::normal::Hertz;
 use crate::contact::rolling::{ConstantTorque, FreeRolling};
@@ -64,6 +64,8 @@ pub(crate) struct Constants {
     pub(crate) arm_ratio: f64,
     /// Lowest normal force: 0 where the tail is cut, minus infinity where it is kept.
     pub(crate) least_force: f64,
+    /// Cohesion energy density of the simplified JKR law.
+    pub(crate) energy_density: f64,
 }
 
 impl Constants {
@@ -78,17 +80,26 @@ impl Constants {
             arm_length: 0.0,
             arm_ratio: 0.0,
             least_force: if CUT { 0.0 } else { f64::NEG_INFINITY },
+            energy_density: 0.0,
         })
     }
 
     fn of<const CUT: bool>(law: &dyn Any) -> Option<Self> {
-        type With<const CUT: bool, R> = ContactModel<Hertz<CUT>, Mindlin, R, Cohesionless>;
-        if let Some(m) = law.downcast_ref::<With<CUT, ConstantTorque>>() {
+        type With<const CUT: bool, R, C> = ContactModel<Hertz<CUT>, Mindlin, R, C>;
+        let torque = |c: Self, rolling: &ConstantTorque| {
+            let (arm_length, arm_ratio) = (rolling.arm.length, rolling.arm.ratio);
+            Self { arm_length, arm_ratio, ..c }
+        };
+        if let Some(m) = law.downcast_ref::<With<CUT, ConstantTorque, Cohesionless>>() {
             let c = Self::hertz_mindlin(&m.normal, &m.tangential)?;
-            let (arm_length, arm_ratio) = (m.rolling.arm.length, m.rolling.arm.ratio);
-            return Some(Self { arm_length, arm_ratio, ..c });
+            return Some(torque(c, &m.rolling));
         }
-        let m = law.downcast_ref::<With<CUT, FreeRolling>>()?;
+        if let Some(m) = law.downcast_ref::<With<CUT, ConstantTorque, Sjkr>>() {
+            let c = Self::hertz_mindlin(&m.normal, &m.tangential)?;
+            let energy_density = m.cohesion.energy_density;
+            return Some(Self { energy_density, ..torque(c, &m.rolling) });
+        }
+        let m = law.downcast_ref::<With<CUT, FreeRolling, Cohesionless>>()?;
         Self::hertz_mindlin(&m.normal, &m.tangential)
     }
 }

@@ -191,12 +191,14 @@ impl PairKernel<'_> {
             lever_j: zero,
             r_star: one / (one / radius + one / near.wall_radius),
             m_star: mass,
+            radius_i: radius,
+            radius_j: near.wall_radius,
             twist: V::splat(0.5) * (w + spin).dot(n) * dt,
             dt,
         };
         let m = &mut g.memory;
         let old = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
-        let out = respond::<V, FAST>(&motion, &laws, old, V::load(&m[3]), touching);
+        let out = respond::<V, FAST>(&motion, &laws, self.cohesive, old, V::load(&m[3]), touching);
         let none = V3::splat(0.0);
         let spring = out.spring.select(touching, none);
         spring.x.store(&mut m[0]);

@@ -2,7 +2,7 @@
 
 use dem_core::prelude::*;
 
-use crate::scenes::{Model, drum, model};
+use crate::scenes::{Model, cohesive_drum, drum, model};
 
 fn hashes(ratio: f64, kernels: Kernels, periodic: bool) -> Vec<u64> {
     let mut b = drum(400, ratio, 1);
@@ -26,6 +26,30 @@ fn simd_and_portable_kernels_agree_bit_by_bit() {
         let portable = hashes(ratio, Kernels::Portable, periodic);
         assert_eq!(portable, hashes(ratio, Kernels::Avx2, periodic), "AVX2, {ratio}");
         assert_eq!(portable, hashes(ratio, Kernels::Fastest, periodic), "fastest, {ratio}");
+    }
+}
+
+#[test]
+fn cohesive_kernels_agree_bit_by_bit() {
+    let hashes = |kernels: Kernels, energy_density: f64, ratio: f64| {
+        let mut b = cohesive_drum(400, ratio, 1, energy_density);
+        let mut world = b.kernels(kernels).build().unwrap();
+        let each = |_| {
+            world.run(100).unwrap();
+            world.state_hash()
+        };
+        (0..30).map(each).collect::<Vec<u64>>()
+    };
+    for ratio in [1.0, 1.6] {
+        let portable = hashes(Kernels::Portable, 4e5, ratio);
+        assert_eq!(portable, hashes(Kernels::Avx2, 4e5, ratio), "AVX2, {ratio}");
+        assert_eq!(portable, hashes(Kernels::Fastest, 4e5, ratio), "fastest, {ratio}");
+        // Where nothing pulls, the bits are those of the law without cohesion; else they are not.
+        let free = hashes(Kernels::Fastest, 0.0, ratio);
+        assert_ne!(portable.last(), free.last());
+        let mut world = drum(400, ratio, 1).build().unwrap();
+        world.run(3000).unwrap();
+        assert_eq!(free.last(), Some(&world.state_hash()), "{ratio}");
     }
 }
 

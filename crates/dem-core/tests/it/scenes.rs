@@ -1,8 +1,10 @@
 //! Small worlds that several tests share.
 
+use dem_core::contact::cohesion::Sjkr;
 use dem_core::prelude::*;
 
 pub(crate) type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
+pub(crate) type Cohesive = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Sjkr>;
 pub(crate) type Elastic = ContactModel<HertzTailCut, Frictionless, FreeRolling, Cohesionless>;
 
 /// Beads as soft as those of the drum runs: 65 MPa.
@@ -57,9 +59,34 @@ impl Random {
 
 /// A turning drum of 60 x 30 mm with `count` beads of radius 2 mm (times up to `1/ratio`).
 pub(crate) fn drum(count: usize, ratio: f64, threads: usize) -> WorldBuilder<Model> {
+    drum_of(count, ratio, threads, |m| m)
+}
+
+/// The same with an energy density of cohesion, J/m3.
+pub(crate) fn cohesive_drum(
+    count: usize,
+    ratio: f64,
+    threads: usize,
+    energy_density: f64,
+) -> WorldBuilder<Cohesive> {
+    drum_of(count, ratio, threads, |Model { normal, tangential, rolling, .. }| Cohesive {
+        normal,
+        tangential,
+        rolling,
+        cohesion: Sjkr { energy_density },
+    })
+}
+
+fn drum_of<M: ContactLaw + 'static>(
+    count: usize,
+    ratio: f64,
+    threads: usize,
+    law: impl Fn(Model) -> M,
+) -> WorldBuilder<M> {
     let mut b = WorldBuilder::new(2e-5f64.min(4e-5 / ratio));
     let (bead, wall) = (b.material(bead_material()), b.material(bead_material()));
-    b.pair_law(bead, bead, model(0.5, 0.8, 0.01)).pair_law(bead, wall, model(0.6, 0.7, 0.02));
+    b.pair_law(bead, bead, law(model(0.5, 0.8, 0.01)));
+    b.pair_law(bead, wall, law(model(0.6, 0.7, 0.02)));
     b.gravity(DVec3::NEG_Y * 9.81).threads(threads).allow_large_time_step();
     b.domain(DVec3::new(-0.04, -0.04, -0.005), DVec3::new(0.04, 0.04, 0.035));
     let turning = Motion::rotating(DVec3::ZERO, DVec3::Z, 6.0);

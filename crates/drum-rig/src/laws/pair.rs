@@ -13,7 +13,7 @@
 //! | bridges | contact angle 0; the liquid of a particle in three bridges (coordination number 6) | ours |
 
 use dem_core::contact::cohesion::Cohesionless;
-use dem_core::contact::cohesion::sjkr::SjkrSpec;
+use dem_core::contact::cohesion::sjkr::{Sjkr, SjkrSpec};
 use dem_core::contact::elasticity::{ElasticPair, Elasticity};
 use dem_core::contact::friction::{Friction, FrictionSpec};
 use dem_core::contact::model::ContactModel;
@@ -43,6 +43,8 @@ use crate::error::Error;
 pub(crate) enum Kind {
     /// Hertz, Mindlin, constant torque: the tail cut off or kept.
     HertzMindlin { cut_tail: bool },
+    /// The same with the pull of simplified JKR.
+    Cohesive { cut_tail: bool },
     /// Any laws with a shear spring.
     Spring,
     /// Any laws with micro-slip.
@@ -54,9 +56,14 @@ impl Kind {
         let fast = contact.normal == NormalLaw::Hertz
             && contact.tangential == TangentialLaw::Mindlin
             && matches!(contact.rolling, RollingLaw::ConstantTorque | RollingLaw::None)
-            && matches!(contact.cohesion, Cohesion::None | Cohesion::Capillary);
+            && matches!(
+                contact.cohesion,
+                Cohesion::None | Cohesion::Capillary | Cohesion::SimplifiedJkr
+            );
+        let cut_tail = !contact.attractive_tail;
         match contact.tangential {
-            _ if fast => Self::HertzMindlin { cut_tail: !contact.attractive_tail },
+            _ if fast && contact.cohesion == Cohesion::SimplifiedJkr => Self::Cohesive { cut_tail },
+            _ if fast => Self::HertzMindlin { cut_tail },
             TangentialLaw::Mindlin
             | TangentialLaw::MindlinTotalSpring
             | TangentialLaw::LinearSpring => Self::Spring,
@@ -65,9 +72,9 @@ impl Kind {
     }
 }
 
-/// The product that has a vector kernel.
-pub(crate) type HertzMindlin<const CUT: bool> =
-    ContactModel<Hertz<CUT>, Mindlin, ConstantTorque, Cohesionless>;
+/// The products that have a vector kernel.
+pub(crate) type HertzMindlin<const CUT: bool, C = Cohesionless> =
+    ContactModel<Hertz<CUT>, Mindlin, ConstantTorque, C>;
 
 /// What the laws of one pair are made from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,6 +117,13 @@ impl Constants {
             rolling: self.torque().try_into()?,
             cohesion: Cohesionless,
         })
+    }
+
+    /// The default laws with the pull of simplified JKR.
+    pub(crate) fn cohesive<const CUT: bool>(&self) -> Result<HertzMindlin<CUT, Sjkr>, Error> {
+        let HertzMindlin { normal, tangential, rolling, .. } = self.hertz_mindlin::<CUT>()?;
+        let cohesion = SjkrSpec { energy_density: self.energy_density }.try_into()?;
+        Ok(ContactModel { normal, tangential, rolling, cohesion })
     }
 
     /// Any laws with a shear spring.
