@@ -25,7 +25,8 @@ const ROUND: usize = 1000;
 const CONFIRMED_MEMBERS: usize = 3;
 
 /// One model by fresh runs.
-struct Fresh {
+#[derive(Clone)]
+pub(crate) struct Fresh {
     side: Side,
     /// Prediction and standard deviation at fitted, then held-out observations.
     points: Values,
@@ -53,11 +54,17 @@ pub(crate) fn outcome(
         Verdict::Pairs(pairs) => pairs.first().map(|p| p.to_vec()).unwrap_or_default(),
     };
     let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
-    let Some(before) = fresh(state, &base, &finding.base.theta, &[], 0, watch)? else {
+    let known = state.before.take();
+    let before = match known {
+        Some(known) => Some(known),
+        None => fresh(state, &base, &finding.base.theta, &[], 0, watch)?,
+    };
+    let Some(before) = before else {
         let asked = state.effort.confirm;
         let first = state.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
         return Err(CloseLoopError::Base { failed: asked, asked, first });
     };
+    state.before = Some(before.clone());
     let mut others = Vec::new();
     let mut after = None;
     // Whether no drum with the effect could be simulated.

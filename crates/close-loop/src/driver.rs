@@ -9,7 +9,7 @@ use rig_schema::{Case, MeasuredTable, Rig};
 
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model, decode};
-use crate::confirm;
+use crate::confirm::{self, Fresh};
 use crate::curve::{Change, Curve};
 use crate::emulator::{Axis, Emulator, Sample, Shift};
 use crate::error::CloseLoopError;
@@ -69,7 +69,7 @@ pub struct CloseLoop<'a> {
 }
 
 /// How often an answer that fresh runs refute is given up for another.
-const RETRIES: usize = 3;
+const RETRIES: usize = 5;
 
 /// Spacing of the points at which runs are made, coded units.
 pub(crate) const GRID: f64 = 0.5;
@@ -89,6 +89,8 @@ pub(crate) struct State<'a> {
     pub(crate) theta: Vec<f64>,
     pub(crate) bias: Option<Vec<Shift>>,
     modes: Vec<Vec<[f64; 4]>>,
+    /// The base model by fresh runs, which every answer is compared with.
+    pub(crate) before: Option<Fresh>,
 }
 
 impl CloseLoop<'_> {
@@ -146,9 +148,12 @@ impl CloseLoop<'_> {
         settings: &Settings,
         watch: &mut dyn FnMut(&Told),
     ) -> Result<Finding, CloseLoopError> {
-        state.refine(self.spare(state, singles), settings, watch)?;
+        // What is left after this is for answers that fresh runs refute: those are what models learn most from.
+        let part =
+            |spare: usize| if self.settings.runs.is_some() { spare.div_ceil(2) } else { spare };
+        state.refine(part(self.spare(state, singles)), settings, watch)?;
         let finding = state.attribute(&self.settings.attribution)?;
-        let spare = self.spare(state, pairs);
+        let spare = part(self.spare(state, pairs));
         if spare == 0 || !matches!(finding.verdict, Verdict::Pairs(_) | Verdict::Unknown) {
             return Ok(finding);
         }
@@ -189,6 +194,7 @@ impl CloseLoop<'_> {
             theta: Vec::new(),
             bias: None,
             modes: Vec::new(),
+            before: None,
         };
         state.calibrate(watch)?;
         state.probe(watch)?;
@@ -207,9 +213,9 @@ impl CloseLoop<'_> {
     }
 }
 
-/// Effects that need simulations of their own.
+/// Effects that need simulations of their own; an uncertain known takes two.
 fn simulated_effects(setup: &Setup) -> usize {
-    setup.catalogue.effects.iter().filter(|e| is_simulated(e)).count() + setup.simulated.len()
+    setup.catalogue.effects.iter().filter(|e| is_simulated(e)).count() + 2 * setup.simulated.len()
 }
 
 pub(crate) fn is_simulated(effect: &Effect) -> bool {
@@ -398,15 +404,16 @@ impl State<'_> {
         let mut places = Vec::new();
         let theta = self.snap(&self.theta);
         for e in effects.iter().filter(|e| is_simulated(e)).chain(&known) {
-            for (p, strength) in e.probes.iter().enumerate() {
-                for k in 0..self.effort.probes {
-                    // The same fillings for every effect: nothing is gained by others.
-                    let filling = self.runs.filling(Stage::Probes, 2 * k + p);
-                    let (rig, axes) = (&self.setup.rig, &self.setup.axes);
-                    let with = rig_with(rig, axes, &theta, (e, *strength), filling)?;
-                    rigs.push((format!("{} = {strength:.4}", e.path), with));
-                    places.push((e.path.clone(), *strength));
-                }
+            let both_sides = known.iter().any(|n| n.path == e.path);
+            for k in 0..self.effort.probes.max(if both_sides { 2 } else { 1 }) {
+                let p = 1 - k % 2;
+                let strength = e.probes[p];
+                // The same fillings for every effect: nothing is gained by others.
+                let filling = self.runs.filling(Stage::Probes, 2 * (k / 2) + p);
+                let (rig, axes) = (&self.setup.rig, &self.setup.axes);
+                let with = rig_with(rig, axes, &theta, (e, strength), filling)?;
+                rigs.push((format!("{} = {strength:.4}", e.path), with));
+                places.push((e.path.clone(), strength));
             }
         }
         let runs = self.runs.all(Stage::Probes, &rigs, watch)?;

@@ -47,7 +47,8 @@ pub struct Effort {
     pub zoom: usize,
     /// At the calibrated point.
     pub replicates: usize,
-    /// For each effect that is simulated: fillings at each of its two strengths.
+    /// For each effect that is simulated: one at the stronger of its two strengths, one at the weaker, and
+    /// so on with other fillings.
     pub probes: usize,
     /// About the best point of each effect on the short list.
     pub refine: usize,
@@ -68,7 +69,7 @@ impl Effort {
         self.base
             + 2 * self.zoom
             + self.replicates
-            + 2 * self.probes * effects
+            + self.probes * effects
             + self.refine * self.short_list
             // The base, the winner and two more of its class; two more where an answer is refuted or
             // none fits.
@@ -93,7 +94,7 @@ impl Effort {
             base: 4 * free + 6,
             zoom: 2 * free + 3,
             replicates: 5,
-            probes: 2,
+            probes: 4,
             refine: 2 * free + 5,
             short_list: effects.min(4),
             confirm: 3,
@@ -119,7 +120,9 @@ impl Effort {
             for step in steps {
                 let mut next = plan;
                 step(&mut next, effects);
-                if next.total(effects) <= runs && next.confirm <= 6 && next.probes <= 6 {
+                // Runs are better spent where effects turn out to be promising than on all of them.
+                let probes = next.probes == 1 || 3 * next.probes * effects <= runs;
+                if next.total(effects) <= runs && next.confirm <= 6 && next.probes <= 12 && probes {
                     plan = next;
                 }
             }
