@@ -400,35 +400,19 @@ impl State<'_> {
         let known: Vec<Effect> =
             self.setup.simulated.iter().filter_map(|n| self.known(n)).collect();
         let effects: Vec<Effect> = self.setup.catalogue.effects.clone();
-        let mut rigs = Vec::new();
-        let mut places = Vec::new();
-        let theta = self.snap(&self.theta);
+        let mut wanted: Vec<(&Effect, usize, usize)> = Vec::new();
         for e in effects.iter().filter(|e| is_simulated(e)).chain(&known) {
             let both_sides = known.iter().any(|n| n.path == e.path);
-            for k in 0..self.effort.probes.max(if both_sides { 2 } else { 1 }) {
-                let p = 1 - k % 2;
-                let strength = e.probes[p];
-                // The same fillings for every effect: nothing is gained by others.
-                let filling = self.runs.filling(Stage::Probes, 2 * (k / 2) + p);
-                let (rig, axes) = (&self.setup.rig, &self.setup.axes);
-                let with = rig_with(rig, axes, &theta, (e, strength), filling)?;
-                rigs.push((format!("{} = {strength:.4}", e.path), with));
-                places.push((e.path.clone(), strength));
-            }
+            let each = self.effort.probes.max(if both_sides { 2 } else { 1 });
+            wanted.extend((0..each).map(|k| (e, 1 - k % 2, k / 2)));
         }
-        let runs = self.runs.all(Stage::Probes, &rigs, watch)?;
-        let mut lost = Vec::new();
-        for ((path, strength), run) in places.into_iter().zip(&runs) {
-            let Some(run) = run else {
-                lost.push((path, strength));
-                continue;
-            };
-            let mut at = theta.clone();
-            at.push(strength);
-            self.effects.entry(path).or_default().push(sample(at, run));
-        }
-        for (path, strength) in lost {
-            self.shorten(&path, strength, false);
+        self.probes(&wanted, watch)?;
+        // Where the stronger one of few could not be simulated, the weaker one says something too.
+        let none = |e: &&Effect| !self.effects.contains_key(&e.path);
+        let failed = effects.iter().filter(|e| is_simulated(e)).filter(none);
+        let weaker: Vec<(&Effect, usize, usize)> = failed.map(|e| (e, 0, 0)).collect();
+        if self.effort.probes == 1 && !weaker.is_empty() {
+            self.probes(&weaker, watch)?;
         }
         for e in &effects {
             if is_simulated(e) && !self.effects.contains_key(&e.path) {
@@ -458,6 +442,36 @@ impl State<'_> {
         let simulated = self.setup.simulated.clone();
         for (known, (path, mean, sd)) in known.iter().zip(&simulated) {
             self.modes.extend(self.mode(known, path, *mean, *sd)?);
+        }
+        Ok(())
+    }
+
+    /// Simulate effects at the calibrated point: which of their two strengths, and in which filling. The
+    /// fillings are the same for every effect: nothing is gained by others.
+    fn probes(
+        &mut self,
+        wanted: &[(&Effect, usize, usize)],
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<(), CloseLoopError> {
+        let theta = self.snap(&self.theta);
+        let mut rigs = Vec::new();
+        for (e, which, k) in wanted {
+            let filling = self.runs.filling(Stage::Probes, 2 * k + which);
+            let (rig, axes) = (&self.setup.rig, &self.setup.axes);
+            let strength = e.probes[*which];
+            let with = rig_with(rig, axes, &theta, (e, strength), filling)?;
+            rigs.push((format!("{} = {strength:.4}", e.path), with));
+        }
+        let runs = self.runs.all(Stage::Probes, &rigs, watch)?;
+        for ((e, which, _), run) in wanted.iter().zip(&runs) {
+            let mut at = theta.clone();
+            at.push(e.probes[*which]);
+            match run {
+                Some(run) => {
+                    self.effects.entry(e.path.clone()).or_default().push(sample(at, run));
+                }
+                None => self.lose(vec![e.path.clone()], at),
+            }
         }
         Ok(())
     }

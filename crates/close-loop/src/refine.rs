@@ -100,11 +100,8 @@ impl State<'_> {
                         self.pairs.entry(names).or_default().push(sample(one.at, run));
                     }
                     (None, effects) => {
-                        if let ([a], Some(strength)) = (effects, one.at.get(free)) {
-                            self.shorten(&a.path, *strength, false);
-                        }
                         let names = effects.iter().map(|e| e.path.clone()).collect();
-                        self.lost.entry(names).or_default().push(one.at);
+                        self.lose(names, one.at);
                     }
                     _ => {}
                 }
@@ -121,6 +118,20 @@ impl State<'_> {
             _ => None,
         };
         own.map_or(&[], |s| &s[..])
+    }
+
+    /// Remember a point at which a drum could not be simulated. One may be a matter of its friction; the
+    /// second ends the effect's range.
+    pub(crate) fn lose(&mut self, names: Vec<String>, at: Vec<f64>) {
+        let single = match &names[..] {
+            [name] => at.last().map(|s| (name.clone(), *s)),
+            _ => None,
+        };
+        let lost = self.lost.entry(names).or_default();
+        lost.push(at);
+        if let (true, Some((name, strength))) = (lost.len() > 1, single) {
+            self.shorten(&name, strength, false);
+        }
     }
 
     /// Points at which a drum with these effects could not be simulated.
