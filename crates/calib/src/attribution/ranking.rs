@@ -260,14 +260,20 @@ fn class_of(judged: &[Judged<'_>], ratio: f64) -> Vec<usize> {
     let also = |i: &usize| judged[*i].explains && likelihood(*i) * ratio >= 1.0;
     let mut class: Vec<usize> = (0..judged.len()).filter(also).collect();
     class.sort_by_key(|i| (*i != winner, *i));
-    let all: f64 = class.iter().map(|i| likelihood(*i)).sum();
-    let mut held = 0.0;
-    class.retain(|i| {
-        let wanted = held < (1.0 - 1.0 / ratio) * all;
-        held += likelihood(*i);
-        wanted || *i == winner
-    });
+    let likelihoods: Vec<f64> = class.iter().map(|i| likelihood(*i)).collect();
+    class.truncate(holding(&likelihoods, ratio));
     class
+}
+
+/// How many, in the order given, hold all but one part in `ratio` of the sum.
+fn holding(likelihoods: &[f64], ratio: f64) -> usize {
+    let wanted = (1.0 - 1.0 / ratio) * likelihoods.iter().sum::<f64>();
+    let mut held = 0.0;
+    let enough = likelihoods.iter().position(|l| {
+        held += l;
+        held >= wanted
+    });
+    enough.map_or(likelihoods.len(), |k| k + 1)
 }
 
 /// Best fit of a model of the candidates `of`, not judged yet.
@@ -390,4 +396,18 @@ pub(super) fn pairs_fitted<'s>(
     }
     sort(&mut pairs);
     Ok(pairs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_class_holds_nineteen_twentieths_of_its_likelihood() {
+        assert_eq!(holding(&[1.0, 0.05], 20.0), 1);
+        assert_eq!(holding(&[1.0, 0.06], 20.0), 2);
+        assert_eq!(holding(&[1.0, 0.37, 0.08, 0.05], 20.0), 3);
+        assert_eq!(holding(&[1.0; 4], 20.0), 4);
+        assert_eq!(holding(&[], 20.0), 0);
+    }
 }

@@ -3,6 +3,7 @@
 mod cases;
 mod faults;
 mod linear;
+mod optima;
 mod rates;
 mod thesis;
 mod world;
