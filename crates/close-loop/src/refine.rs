@@ -1,5 +1,5 @@
-//! Which effect is simulated next, and where: at the best point of the one that may explain the data best,
-//! as long as nobody knows what it does there.
+//! Which effect is simulated next, and where: where it may explain the data, as long as nobody knows what it
+//! does there.
 
 use calib::CalibError;
 use calib::attribution::{Settings, Trial, at_the_end};
@@ -51,7 +51,7 @@ struct Place<'m> {
 }
 
 impl State<'_> {
-    /// Simulate effects at their best points, the most promising first, with at most `most` runs.
+    /// Simulate effects where they may explain the data, the most promising first, with at most `most` runs.
     pub(crate) fn refine(
         &mut self,
         most: usize,
