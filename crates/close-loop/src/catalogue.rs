@@ -55,8 +55,8 @@ pub struct Effect {
 impl Effect {
     /// Size of an error that is small where people look: a ring is found to a fraction of a percent, lines
     /// agree between readers to half a degree, a camera set by eye is level to a degree, a sieve or a caliper
-    /// tells a diameter to 5 %, so that twice as much is a standard deviation. A larger error costs what it is worth against an effect that explains
-    /// the data as well. `None` for what has no known size.
+    /// tells a diameter to 5 %, so that twice as much is a standard deviation. A larger error costs what it is
+    /// worth against an effect that explains the data as well. `None` for what has no known size.
     pub(crate) fn strength_sd(&self) -> Option<f64> {
         match self.path.as_str() {
             "size.scale" => Some(0.1),

@@ -54,17 +54,14 @@ pub(crate) fn outcome(
         Verdict::Pairs(pairs) => pairs.first().map(|p| p.to_vec()).unwrap_or_default(),
     };
     let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
-    let known = state.before.take();
-    let before = match known {
-        Some(known) => Some(known),
-        None => fresh(state, &base, &finding.base.theta, &[], 0, watch)?,
-    };
-    let Some(before) = before else {
+    if state.before.is_none() {
+        state.before = fresh(state, &base, &finding.base.theta, &[], 0, watch)?;
+    }
+    let Some(before) = state.before.clone() else {
         let asked = state.effort.confirm;
         let first = state.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
         return Err(CloseLoopError::Base { failed: asked, asked, first });
     };
-    state.before = Some(before.clone());
     let mut others = Vec::new();
     let mut after = None;
     // Whether no drum with the effect could be simulated.

@@ -400,12 +400,12 @@ impl State<'_> {
         let known: Vec<Effect> =
             self.setup.simulated.iter().filter_map(|n| self.known(n)).collect();
         let effects: Vec<Effect> = self.setup.catalogue.effects.clone();
-        let mut wanted: Vec<(&Effect, usize, usize)> = Vec::new();
-        for e in effects.iter().filter(|e| is_simulated(e)).chain(&known) {
-            let both_sides = known.iter().any(|n| n.path == e.path);
-            let each = self.effort.probes.max(if both_sides { 2 } else { 1 });
-            wanted.extend((0..each).map(|k| (e, 1 - k % 2, k / 2)));
-        }
+        let each = self.effort.probes;
+        let tried = effects.iter().filter(|e| is_simulated(e)).map(|e| (e, each));
+        // An uncertain known is simulated to both sides.
+        let of_known = known.iter().map(|e| (e, each.max(2)));
+        let turns = |(e, each)| (0..each).map(move |k| (e, 1 - k % 2, k / 2));
+        let wanted: Vec<(&Effect, usize, usize)> = tried.chain(of_known).flat_map(turns).collect();
         self.probes(&wanted, watch)?;
         // Where the stronger one of few could not be simulated, the weaker one says something too.
         let none = |e: &&Effect| !self.effects.contains_key(&e.path);
@@ -470,7 +470,7 @@ impl State<'_> {
                 Some(run) => {
                     self.effects.entry(e.path.clone()).or_default().push(sample(at, run));
                 }
-                None => self.lose(vec![e.path.clone()], at),
+                None => self.lose(std::slice::from_ref(*e), at),
             }
         }
         Ok(())

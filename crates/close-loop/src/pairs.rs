@@ -85,7 +85,7 @@ impl State<'_> {
             }
             match self.asked(&base, &models, fit)? {
                 Some(asked) => points.push(asked),
-                None => limit = limit.min(fit.fit.deviance + 2.0 * settings.class_ratio.ln()),
+                None => limit = limit.min(fit.fit.deviance + settings.class_deviance()),
             }
         }
         Ok(points)

@@ -99,10 +99,7 @@ impl State<'_> {
                         let names = [a.path.clone(), b.path.clone()];
                         self.pairs.entry(names).or_default().push(sample(one.at, run));
                     }
-                    (None, effects) => {
-                        let names = effects.iter().map(|e| e.path.clone()).collect();
-                        self.lose(names, one.at);
-                    }
+                    (None, effects) => self.lose(effects, one.at),
                     _ => {}
                 }
             }
@@ -122,22 +119,18 @@ impl State<'_> {
 
     /// Remember a point at which a drum could not be simulated. One may be a matter of its friction; the
     /// second ends the effect's range.
-    pub(crate) fn lose(&mut self, names: Vec<String>, at: Vec<f64>) {
-        let single = match &names[..] {
-            [name] => at.last().map(|s| (name.clone(), *s)),
-            _ => None,
-        };
-        let lost = self.lost.entry(names).or_default();
+    pub(crate) fn lose(&mut self, effects: &[Effect], at: Vec<f64>) {
+        let strength = at.last().copied();
+        let lost = self.lost.entry(paths(effects)).or_default();
         lost.push(at);
-        if let (true, Some((name, strength))) = (lost.len() > 1, single) {
-            self.shorten(&name, strength, false);
+        if let (true, [one], Some(strength)) = (lost.len() > 1, effects, strength) {
+            self.shorten(&one.path, strength, false);
         }
     }
 
     /// Points at which a drum with these effects could not be simulated.
     fn lost(&self, effects: &[Effect]) -> &[Vec<f64>] {
-        let names: Vec<String> = effects.iter().map(|e| e.path.clone()).collect();
-        self.lost.get(&names).map_or(&[], |l| &l[..])
+        self.lost.get(&paths(effects)).map_or(&[], |l| &l[..])
     }
 
     /// Whether runs have said at a point what they can: enough of them, a model that is sure, or a drum that
@@ -167,11 +160,14 @@ impl State<'_> {
                 .iter()
                 .filter(|p| !self.settled(std::slice::from_ref(p.effect), p.model, &p.at, enough));
             for place in open {
+                if points.len() == count {
+                    break;
+                }
                 let at = self.on_grid(place.effect, &place.at);
                 let beside = |a: &Asked| {
                     a.effects[0].path == place.effect.path && place.model.apart(&a.at, &at) < APART
                 };
-                if points.len() < count && !points.iter().any(beside) {
+                if !points.iter().any(beside) {
                     points.push(Asked { effects: vec![place.effect.clone()], at });
                 }
             }
@@ -210,7 +206,7 @@ impl State<'_> {
                     }
                 };
                 if stands {
-                    limit = limit.min(fit.deviance + 2.0 * settings.class_ratio.ln());
+                    limit = limit.min(fit.deviance + settings.class_deviance());
                 }
             }
         }
@@ -300,6 +296,10 @@ impl State<'_> {
         let why = format!("not beyond {end:.4}: its drum cannot be simulated at {failed:.4}");
         self.setup.catalogue.left_out.push((path.to_owned(), why));
     }
+}
+
+fn paths(effects: &[Effect]) -> Vec<String> {
+    effects.iter().map(|e| e.path.clone()).collect()
 }
 
 /// Middle between a strength at which a drum could not be simulated and the next one that is `known`; none,

@@ -44,7 +44,7 @@ fn difference(a: &[Run], b: &[Run]) -> Vec<[(f64, f64); 4]> {
 pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<()> {
     let program = locate("TUMBLE_LIGGGHTS", "liggghts").map_err(|e| anyhow::anyhow!(e))?;
     anyhow::ensure!(fillings >= 1, "--fillings is 1 or more");
-    let lab = nature_lab(folder, jobs)?;
+    let lab = nature_lab(folder, jobs, RESOLUTION)?;
     let mut own = Vec::new();
     let mut fine = Vec::new();
     let mut other = Vec::new();

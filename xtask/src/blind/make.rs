@@ -75,13 +75,14 @@ pub(crate) const INTERVAL_S: f64 = 0.15;
 /// A finer picture than any fit uses.
 pub(crate) const RESOLUTION: Resolution = Resolution { width_px: 640, most_sub_frames: 12 };
 
-/// Where nature happens.
-pub(crate) fn nature_lab(folder: &Path, jobs: usize) -> anyhow::Result<Laboratory> {
-    let sampling = Sampling {
-        resolution: RESOLUTION,
-        frame_interval_s: Some(INTERVAL_S),
-        ..Sampling::default()
-    };
+/// Where nature happens, and how finely it is looked at.
+pub(crate) fn nature_lab(
+    folder: &Path,
+    jobs: usize,
+    resolution: Resolution,
+) -> anyhow::Result<Laboratory> {
+    let sampling =
+        Sampling { resolution, frame_interval_s: Some(INTERVAL_S), ..Sampling::default() };
     Ok(Laboratory::open(&folder.join("nature"), jobs, sampling)?)
 }
 
@@ -142,7 +143,7 @@ pub(crate) fn run(folder: &Path, seed: u64, jobs: usize) -> anyhow::Result<()> {
     let hex: String = key.iter().map(|b| format!("{b:02x}")).collect();
     std::fs::create_dir_all(folder.join("truth"))?;
     std::fs::write(folder.join("truth/key"), hex)?;
-    let lab = nature_lab(folder, jobs)?;
+    let lab = nature_lab(folder, jobs, RESOLUTION)?;
     let rigs = truths
         .iter()
         .enumerate()

@@ -1,16 +1,16 @@
 //! False alarms on simulated drums that lack nothing.
 
-use std::fs::OpenOptions;
+use std::fs::File;
 use std::path::Path;
 
 use close_loop::calib::attribution::Verdict;
-use close_loop::campaign::{Laboratory, Sampling};
+use close_loop::campaign::Laboratory;
 use close_loop::rig_schema::{Case, MeasuredTable};
 use close_loop::{CloseLoop, LoopSettings};
 use serde::{Deserialize, Serialize};
 
 use super::drums::truth;
-use super::make::{INTERVAL_S, case_text, nature, table};
+use super::make::{case_text, nature, nature_lab, table};
 use super::score::fit_sampling;
 
 /// What a drum that lacks nothing was called.
@@ -29,19 +29,19 @@ pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyh
     let own = folder.join("nulls");
     std::fs::create_dir_all(&own)?;
     let picture = fit_sampling();
-    let sampling = Sampling { frame_interval_s: Some(INTERVAL_S), ..picture };
-    let nature_lab = Laboratory::open(&folder.join("nature-nulls"), jobs, sampling)?;
+    let drums = nature_lab(folder, jobs, picture.resolution)?;
     let lab = Laboratory::open(&folder.join("fits"), jobs, picture)?;
     let case = Case::parse("null.toml", &case_text(&[]))?;
     for k in 0..count {
-        let claim = own.join(format!("{k:03}.taken"));
         let done = own.join(format!("{k:03}.json"));
-        if done.exists() || OpenOptions::new().write(true).create_new(true).open(&claim).is_err() {
+        // The lock ends with the process that holds it, however that ends.
+        let claim = File::create(own.join(format!("{k:03}.taken")))?;
+        if claim.try_lock().is_err() || done.exists() {
             continue;
         }
         let truth = truth("null", "tumble", [0.28, 0.37, 0.46][k % 3], &[]);
         let rig = nature(&truth, 900_000 + k as u64)?;
-        let Some(Ok(run)) = nature_lab.run(&[rig], |_| ()).pop() else {
+        let Some(Ok(run)) = drums.run(&[rig], |_| ()).pop() else {
             println!("{k}: the drum failed");
             continue;
         };
@@ -64,7 +64,6 @@ pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyh
                 Some(format!("{} {}", outcome.verdict, outcome.members.join(", ")));
         }
         std::fs::write(done, serde_json::to_string(&called)?)?;
-        std::fs::remove_file(claim)?;
         println!("{k}: {}, chi-square {:.1}, p {:.3}", called.verdict, called.chi2, called.p);
     }
     summary(&own)

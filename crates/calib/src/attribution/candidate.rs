@@ -174,6 +174,13 @@ pub struct Settings {
     pub power: f64,
 }
 
+impl Settings {
+    /// Deviance beyond the best effect's that [`Settings::class_ratio`] stands for.
+    pub fn class_deviance(&self) -> f64 {
+        2.0 * self.class_ratio.ln()
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {

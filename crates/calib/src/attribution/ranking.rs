@@ -354,7 +354,7 @@ fn fit_pairs<'s>(
 ) -> Result<Vec<Judged<'s>>, CalibError> {
     let settings = &case.attribution.settings;
     let candidates = &case.attribution.candidates;
-    let within = 2.0 * settings.class_ratio.ln();
+    let within = settings.class_deviance();
     let alone = |k: usize| singles.iter().find(|j| j.of[0] == k).map(|j| j.deviance());
     let best_gain = singles.iter().filter_map(|j| j.gain).fold(0.0, f64::max);
     let count = (candidates.len() * candidates.len().saturating_sub(1) / 2).max(1) as f64;

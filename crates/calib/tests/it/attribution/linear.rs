@@ -9,51 +9,57 @@ use rig_schema::Response;
 
 const SPEEDS: [f64; 7] = [3.0, 5.0, 8.0, 12.0, 17.0, 21.0, 25.0];
 const ANGLE: [f64; 7] = [29.1, 29.6, 30.0, 30.2, 30.9, 30.4, 31.3];
-const SD: f64 = 0.5;
 
-/// Angle = level + slope (omega - 10).
-struct Line(bool);
+/// Standard deviation of every angle.
+pub(crate) const SD: f64 = 0.5;
+
+/// Angle = level + slope (omega - 10), the slope a function of the strength; none: no slope.
+pub(crate) struct Line(pub(crate) Option<fn(f64) -> f64>);
 
 impl Simulator for Line {
     fn parameters(&self) -> Vec<String> {
-        let names = ["level", "slope"].into_iter().take(1 + usize::from(self.0));
+        let names = ["level", "slope"].into_iter().take(1 + usize::from(self.0.is_some()));
         names.map(str::to_owned).collect()
     }
     fn speed_range_rpm(&self) -> (f64, f64) {
         (1.0, 30.0)
     }
     fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        let slope = theta.get(1).copied().unwrap_or(0.0);
+        let slope = self.0.map_or(0.0, |slope| slope(theta[1]));
         let mean = speeds.iter().flat_map(|w| [theta[0] + slope * (w - 10.0); 4]).collect();
         Ok(Predicted { mean, covariance: vec![0.0; 16 * speeds.len() * speeds.len()] })
     }
 }
 
-#[test]
-fn a_line_is_found_with_the_numbers_of_algebra() {
-    let items = SPEEDS.iter().zip(ANGLE).map(|(w, mean)| Observation {
-        omega_rpm: *w,
+/// Whether angles at speeds lie on a constant between 20 and 40 deg, or on a line.
+pub(crate) fn question<'s>(
+    (base, line): (&'s Line, &'s Line),
+    angles: impl Iterator<Item = (f64, f64)>,
+    (range, strength_sd): ((f64, f64), Option<f64>),
+    settings: Settings,
+) -> Attribution<'s> {
+    let items = angles.map(|(omega_rpm, mean)| Observation {
+        omega_rpm,
         response: Response::AorLin,
         mean,
         sd: SD,
     });
     let observations = Observations::new(items.collect(), 1.0, FrameCorrelation::Independent);
-    let (base, line) = (Line(false), Line(true));
-    let attribution = Attribution {
+    Attribution {
         base: Problem {
             observations: observations.expect("is well formed"),
-            simulator: &base,
+            simulator: base,
             free: vec![FreeParameter { name: "level".to_owned(), range: (20.0, 40.0) }],
             nuisances: Vec::new(),
         },
         candidates: vec![Candidate {
             name: "slope".to_owned(),
-            simulator: &line,
+            simulator: line,
             null: 0.0,
-            range: (-0.5, 0.5),
+            range,
             layer: Layer::Physics,
             prior: 1.0,
-            strength_sd: None,
+            strength_sd,
             exposed_by: "more speeds".to_owned(),
             meaning: "a slope".to_owned(),
         }],
@@ -61,8 +67,16 @@ fn a_line_is_found_with_the_numbers_of_algebra() {
         code_covariance: None,
         held_out: None,
         experiments: Vec::new(),
-        settings: Settings { bootstrap: 1999, stability_bootstrap: 0, ..Settings::default() },
-    };
+        settings,
+    }
+}
+
+#[test]
+fn a_line_is_found_with_the_numbers_of_algebra() {
+    let (base, line) = (Line(None), Line(Some(|slope| slope)));
+    let settings = Settings { bootstrap: 1999, stability_bootstrap: 0, ..Settings::default() };
+    let angles = SPEEDS.into_iter().zip(ANGLE);
+    let attribution = question((&base, &line), angles, ((-0.5, 0.5), None), settings);
     let f = attribution.attribute().expect("is well posed");
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
     let (x, y) = (mean(&SPEEDS), mean(&ANGLE));

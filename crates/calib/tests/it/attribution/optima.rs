@@ -1,69 +1,19 @@
 //! Every optimum of an effect, and trials of points: a slope that is the square of a strength has two.
 
-use calib::attribution::{Attribution, Candidate, Layer, Settings};
-use calib::{
-    CalibError, FrameCorrelation, FreeParameter, Observation, Observations, Predicted, Problem,
-    Simulator,
-};
-use rig_schema::Response;
+use calib::attribution::Settings;
+
+use super::linear::{Line, SD, question};
 
 const SPEEDS: [f64; 5] = [4.0, 7.0, 10.0, 13.0, 16.0];
-const SD: f64 = 0.5;
-
-/// Angle = level + strength^2 (omega - 10).
-struct Square(bool);
-
-impl Simulator for Square {
-    fn parameters(&self) -> Vec<String> {
-        let names = ["level", "strength"].into_iter().take(1 + usize::from(self.0));
-        names.map(str::to_owned).collect()
-    }
-    fn speed_range_rpm(&self) -> (f64, f64) {
-        (1.0, 30.0)
-    }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        let slope = theta.get(1).map_or(0.0, |s| s * s);
-        let mean = speeds.iter().flat_map(|w| [theta[0] + slope * (w - 10.0); 4]).collect();
-        Ok(Predicted { mean, covariance: vec![0.0; 16 * speeds.len() * speeds.len()] })
-    }
-}
 
 #[test]
 fn both_optima_are_found_and_points_are_tried_with_the_numbers_of_algebra() {
     // Slope 0.16 about 30 deg, with a residual that neither a level nor a slope takes.
     let apart = [0.1, -0.2, 0.2, -0.2, 0.1];
-    let items = SPEEDS.iter().zip(apart).map(|(w, e)| Observation {
-        omega_rpm: *w,
-        response: Response::AorLin,
-        mean: 30.0 + 0.16 * (w - 10.0) + e,
-        sd: SD,
-    });
-    let observations = Observations::new(items.collect(), 1.0, FrameCorrelation::Independent);
-    let (base, with) = (Square(false), Square(true));
-    let attribution = Attribution {
-        base: Problem {
-            observations: observations.expect("is well formed"),
-            simulator: &base,
-            free: vec![FreeParameter { name: "level".to_owned(), range: (20.0, 40.0) }],
-            nuisances: Vec::new(),
-        },
-        candidates: vec![Candidate {
-            name: "strength".to_owned(),
-            simulator: &with,
-            null: 0.0,
-            range: (-1.0, 1.0),
-            layer: Layer::Physics,
-            prior: 1.0,
-            strength_sd: Some(0.2),
-            exposed_by: "more speeds".to_owned(),
-            meaning: "the root of a slope".to_owned(),
-        }],
-        pair_models: Vec::new(),
-        code_covariance: None,
-        held_out: None,
-        experiments: Vec::new(),
-        settings: Settings::default(),
-    };
+    let angles = SPEEDS.into_iter().zip(apart).map(|(w, e)| (w, 30.0 + 0.16 * (w - 10.0) + e));
+    let (base, square) = (Line(None), Line(Some(|strength| strength * strength)));
+    let range = ((-1.0, 1.0), Some(0.2));
+    let attribution = question((&base, &square), angles, range, Settings::default());
     let noise: f64 = apart.iter().map(|e| (e / SD).powi(2)).sum();
     let (without, optima) = attribution.fits().expect("is well posed");
     // Sum of squares of the speeds about 10: 90.
