@@ -159,6 +159,16 @@ impl Catalogue {
         self
     }
 
+    /// Leave out what a stand-in without end plates cannot show.
+    pub(crate) fn leave_out_ends(&mut self) {
+        let gone = |path: &str| path.ends_with("end_plate") || path == "axis.inclination_deg";
+        for e in self.effects.iter().filter(|e| gone(&e.path)) {
+            self.left_out
+                .push((e.path.clone(), "the coarse stand-in has periodic ends".to_owned()));
+        }
+        self.effects.retain(|e| !gone(&e.path));
+    }
+
     /// Keep only the named effects.
     #[must_use]
     pub fn only(mut self, names: &[String]) -> Self {
@@ -175,7 +185,7 @@ impl Catalogue {
         if taken.iter().any(|t| t == draft.path) {
             return leave("the case frees or marginalises it");
         }
-        if let Some(why) = cannot_act(rig, draft.path, taken) {
+        if let Some(why) = cannot_act(rig, draft.path) {
             return leave(why);
         }
         let fallback = match draft.path {
@@ -211,7 +221,7 @@ fn stands_for(name: &str, path: &str) -> bool {
 }
 
 /// Why an effect cannot act, if it cannot.
-fn cannot_act(rig: &Rig, path: &str, taken: &[String]) -> Option<&'static str> {
+fn cannot_act(rig: &Rig, path: &str) -> Option<&'static str> {
     let group = path.split_once('.').map_or(path, |(g, _)| g);
     let tablet = matches!(rig.particles.shape, Shape::RingTablet(_));
     let periodic = rig.drum.ends == Ends::Periodic;
@@ -220,9 +230,6 @@ fn cannot_act(rig: &Rig, path: &str, taken: &[String]) -> Option<&'static str> {
         "axis.inclination_deg" if periodic => Some("the ends are periodic"),
         "shape.aspect_ratio" if tablet => Some("the form of a tablet is given"),
         "wall_layer.thickness_m" if rig.drum.liner.is_some() => Some("the drum has a liner"),
-        "wall_layer.friction_ratio" if taken.iter().any(|t| t == "friction.mantle") => {
-            Some("it is the mantle friction, which is free")
-        }
         _ if group == "cohesion" && rig.contact.cohesion != Cohesion::None => {
             Some("the rig has cohesion already")
         }
@@ -264,7 +271,8 @@ fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
     let amplitude = |gamma: f64| gamma * G / (std::f64::consts::TAU * 50.0).powi(2);
     let own = |path: &str, or: f64| rig.settings.value(path).unwrap_or(or);
     let rolling = own("rolling.pp", 0.0);
-    let plate = own("friction.end_plate", own("friction.mantle", 0.5));
+    let mantle = own("friction.mantle", 0.5);
+    let plate = own("friction.end_plate", mantle);
     let restitution = own("restitution.pp", 0.8);
     let radius = rig.drum.radius_m;
     let drag = drag_in_air(rig, diameter);
@@ -319,6 +327,14 @@ fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
             &[],
             Needs::Nothing,
             "a sliding plate: force at the start against force while it slides",
+        ),
+        physics(
+            "friction.mantle",
+            [0.6 * mantle, 0.3 * mantle],
+            (0.02, 2.0),
+            &[],
+            Needs::Nothing,
+            "a bed that slides in a drum lined with another material",
         ),
         physics(
             "friction.end_plate",

@@ -184,7 +184,7 @@ fn fresh(
     round: usize,
     watch: &mut dyn FnMut(&Told),
 ) -> Result<Option<Fresh>, CloseLoopError> {
-    let rig = state.setup.full.clone().unwrap_or_else(|| state.setup.rig.clone());
+    let rig = state.setup.rig.clone();
     let mut rigs = Vec::new();
     for k in 0..state.effort.confirm {
         let filling = state.runs.filling(Stage::Confirm, ROUND * round + k);
@@ -203,7 +203,11 @@ fn fresh(
     let at = base.frames().iter().enumerate();
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
-    let local = Local { at: at.collect(), shared };
+    let mut local = Local { at: at.collect(), shared };
+    let cast = state.setup.cast;
+    if !cast.confirm_whole {
+        base.shift_by_bias(&mut local);
+    }
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let speeds: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
@@ -275,7 +279,11 @@ fn fresh(
     let effect = (!effects.is_empty())
         .then(|| effects.iter().map(|(e, _)| e.path.clone()).collect::<Vec<_>>().join(" + "));
     let at: Vec<f64> = theta.iter().copied().chain(effects.iter().map(|(_, s)| *s)).collect();
-    let samples = runs.iter().map(|run| sample(at.clone(), run)).collect();
+    let mut samples: Vec<Sample> = runs.iter().map(|run| sample(at.clone(), run)).collect();
+    if cast.confirm_whole {
+        // Models are of stand-ins, and are shifted afterwards.
+        samples.iter_mut().for_each(|s| base.take_off_bias(s));
+    }
     let side = Side { effect, at: named, fillings: runs.len(), errors };
     Ok(Some(Fresh { side, points, samples }))
 }
@@ -353,11 +361,7 @@ fn assumed(
             this.measured.rows.len()
         ));
     }
-    if state.setup.full.is_some() {
-        all.push(
-            "Effects were simulated on a coarse stand-in, shifted by its difference from the full rig at the calibrated point; fresh runs are of the full rig.".to_owned(),
-        );
-    }
+    all.extend(state.setup.cast.assumed());
     for n in &this.case.nuisance {
         all.push(format!("{}: prior {} +- {} ({}).", n.path, n.mean, n.sd, n.reason));
     }

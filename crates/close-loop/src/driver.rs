@@ -88,22 +88,31 @@ pub(crate) struct State<'a> {
     curves: BTreeMap<String, Change>,
     pub(crate) theta: Vec<f64>,
     pub(crate) bias: Option<Vec<Shift>>,
+    /// Runs of the whole rig that its stand-in is compared with.
+    anchors: Vec<Sample>,
     modes: Vec<Vec<[f64; 4]>>,
     /// The base model by fresh runs, which every answer is compared with.
     pub(crate) before: Option<Fresh>,
 }
 
 impl CloseLoop<'_> {
-    /// Rig of one run at the middle of the free ranges, to see what a run costs.
+    /// Rig of one run at the middle of the free ranges, as it is simulated, to see what a run costs.
     ///
     /// # Errors
     /// Those of a case that cannot be simulated.
     pub fn pilot(&self) -> Result<Rig, CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
-        let low: Vec<f64> = setup.free.iter().map(|f| f.range.0).collect();
-        let high: Vec<f64> = setup.free.iter().map(|f| f.range.1).collect();
-        let middle = fill_box(&setup.axes, &low, &high, 1, 0);
-        rig_at(&setup.rig, &setup.axes, &middle[0], 0)
+        Ok(setup.cast.everyday.of(&setup.middle()?)?)
+    }
+
+    /// The whole rig that the pilot stands in for, and how many runs of it the loop makes beside those of the plan.
+    ///
+    /// # Errors
+    /// As [`CloseLoop::pilot`].
+    pub fn anchor_of_pilot(&self) -> Result<Option<(Rig, usize)>, CloseLoopError> {
+        let setup = Setup::new(self.case, self.measured, self.settings)?;
+        let Some(whole) = setup.cast.whole else { return Ok(None) };
+        Ok(Some((whole.of(&setup.middle()?)?, setup.cast.anchored())))
     }
 
     /// Runs of the plan, at most.
@@ -181,11 +190,11 @@ impl CloseLoop<'_> {
     fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
         let effort = Effort::of(self.settings.runs, setup.free.len(), simulated_effects(&setup))?;
-        let seed = self.settings.seed;
+        let runs = Runs::new(self.lab, setup.cast, self.settings.seed);
         let mut state = State {
             setup,
             effort,
-            runs: Runs::new(self.lab, seed),
+            runs,
             base: Vec::new(),
             effects: ByEffect::new(),
             pairs: BTreeMap::new(),
@@ -193,6 +202,7 @@ impl CloseLoop<'_> {
             curves: BTreeMap::new(),
             theta: Vec::new(),
             bias: None,
+            anchors: Vec::new(),
             modes: Vec::new(),
             before: None,
         };
@@ -238,19 +248,14 @@ impl State<'_> {
         }
         self.theta = self.best()?;
         for round in 0..2 {
-            if self.setup.full.is_some() {
-                self.measure_bias(round, watch)?;
-                self.theta = self.best()?;
-            }
+            self.anchor(round, watch)?;
             let (low, high) = self.around(&self.snap(&self.theta), 1.0);
             let seed = self.runs.filling(Stage::Zoom, (usize::MAX >> 8) - round);
             let points = fill_box(&axes, &low, &high, self.effort.zoom, seed);
             self.base_runs(Stage::Zoom, &points, round * self.effort.zoom, watch)?;
             self.theta = self.best()?;
         }
-        if self.setup.full.is_some() {
-            self.measure_bias(2, watch)?;
-        }
+        self.anchor(2, watch)?;
         let points = vec![self.snap(&self.theta); self.effort.replicates];
         self.base_runs(Stage::Replicates, &points, 0, watch)?;
         self.theta = self.best()?;
@@ -341,57 +346,30 @@ impl State<'_> {
         Ok(solved.estimates.iter().map(|e| e.value).collect())
     }
 
-    /// What the stand-in is off by at the present point.
-    fn measure_bias(
-        &mut self,
-        round: usize,
-        watch: &mut dyn FnMut(&Told),
-    ) -> Result<(), CloseLoopError> {
-        let Some(full) = self.setup.full.clone() else { return Ok(()) };
-        let each = self.effort.confirm.max(2);
+    /// Simulate the whole rig at the present point, and shift its stand-in by what it is off there and
+    /// wherever the whole rig has been simulated before.
+    fn anchor(&mut self, round: usize, watch: &mut dyn FnMut(&Told)) -> Result<(), CloseLoopError> {
+        let each = self.setup.cast.anchors[round];
+        if self.setup.cast.whole.is_none() || each == 0 {
+            return Ok(());
+        }
         let mut rigs = Vec::new();
         for k in 0..each {
-            let filling = self.runs.filling(Stage::Full, round * each + k);
-            let rig = rig_at(&full, &self.setup.axes, &self.theta, filling)?;
-            rigs.push((format!("the full rig at {:.3?}", self.theta), rig));
+            let filling = self.runs.filling(Stage::Full, 8 * round + k);
+            let rig = rig_at(&self.setup.rig, &self.setup.axes, &self.theta, filling)?;
+            rigs.push((format!("the whole rig at {:.3?}", self.theta), rig));
         }
-        let runs: Vec<_> =
-            self.runs.all(Stage::Full, &rigs, watch)?.into_iter().flatten().collect();
-        if runs.is_empty() {
+        for run in self.runs.all(Stage::Full, &rigs, watch)?.iter().flatten() {
+            self.anchors.push(sample(self.theta.clone(), run));
+        }
+        if self.anchors.is_empty() {
             let first = self.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
             return Err(CloseLoopError::Base { failed: each, asked: each, first });
         }
         self.bias = None;
         let model = self.base_model()?;
-        let stand_in = model.moments(&self.theta);
-        let n = runs.len() as f64;
-        let shift = model.shift();
-        let bias = stand_in
-            .at
-            .iter()
-            .enumerate()
-            .map(|(k, four)| {
-                let mut mean = [0.0; 4];
-                let mut covariance = [[0.0; 4]; 4];
-                for run in &runs {
-                    for r in 0..4 {
-                        mean[r] += run.speeds[k].mean[r] / n;
-                        for (to, of) in covariance[r].iter_mut().zip(run.speeds[k].covariance[r]) {
-                            *to += of / (n * n);
-                        }
-                    }
-                }
-                for r in 0..4 {
-                    mean[r] -= four.0[r];
-                    covariance[r][r] += shift[r].powi(2) / n + stand_in.shared[k][r].powi(2);
-                    for (to, of) in covariance[r].iter_mut().zip(four.1[r]) {
-                        *to += of;
-                    }
-                }
-                (mean, covariance)
-            })
-            .collect();
-        self.bias = Some(bias);
+        self.bias = Some(off_by(&model, &self.anchors));
+        self.theta = self.best()?;
         Ok(())
     }
 
@@ -676,5 +654,60 @@ impl State<'_> {
         let mut finding = self.question(&base, &models, &pairs, settings).attribute()?;
         decode(&mut finding, &models);
         Ok(finding)
+    }
+}
+
+/// What a model of stand-ins is off by from runs of the whole rig, on average over them, by knot. What the model does not
+/// know is counted as common to all of them.
+fn off_by(model: &Emulator, whole: &[Sample]) -> Vec<Shift> {
+    let n = whole.len() as f64;
+    let shift = model.shift();
+    let mut bias = vec![([0.0; 4], [[0.0; 4]; 4]); model.knots().len()];
+    for run in whole {
+        let stand_in = model.moments(&run.at);
+        for (k, (mean, covariance)) in bias.iter_mut().enumerate() {
+            let (at, unknown) = &stand_in.at[k];
+            for r in 0..4 {
+                mean[r] += (run.mean[k][r] - at[r]) / n;
+                covariance[r][r] += shift[r].powi(2) / (n * n) + stand_in.shared[k][r].powi(2) / n;
+                for c in 0..4 {
+                    covariance[r][c] += run.covariance[k][r][c] / (n * n) + unknown[r][c] / n;
+                }
+            }
+        }
+    }
+    bias
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One knot; responses fall by 10 a unit of the logarithm of friction.
+    fn run(at: f64, up: f64) -> Sample {
+        let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-4));
+        Sample {
+            at: vec![at],
+            mean: vec![std::array::from_fn(|r| 20.0 + 10.0 * at.ln() + r as f64 + up)],
+            covariance: vec![noise],
+        }
+    }
+
+    #[test]
+    fn a_stand_in_is_shifted_by_its_mean_difference_wherever_the_whole_was_run() {
+        let axes = vec![Axis { path: "friction.pp".to_owned(), scale: Scale::Log, unit: 0.35 }];
+        let stand_ins: Vec<Sample> = (0..9).map(|k| run(0.2 + 0.05 * f64::from(k), 0.0)).collect();
+        let model = Emulator::fit(axes, vec![0.4], vec![20.0], &stand_ins).unwrap();
+        // Two places, 1.5 and 2.5 above the stand-in there.
+        let whole = [run(0.25, 1.5), run(0.5, 2.5)];
+        let bias = off_by(&model, &whole);
+        for r in 0..4 {
+            assert!((bias[0].0[r] - 2.0).abs() < 0.05, "{:?}", bias[0].0);
+            assert!(bias[0].1[r][r] > 0.5e-4);
+        }
+        let shifted = model.with_bias(bias);
+        let mut of_whole = run(0.3, 2.0);
+        shifted.take_off_bias(&mut of_whole);
+        assert!((of_whole.mean[0][0] - run(0.3, 0.0).mean[0][0]).abs() < 0.05);
     }
 }

@@ -146,12 +146,24 @@ impl Emulator {
     /// What is known at the knots, without modes, bias included.
     pub(crate) fn moments(&self, at: &[f64]) -> Local {
         let mut local = self.process.moments(&code(&self.axes, &self.origin, at), &self.frames);
+        self.shift_by_bias(&mut local);
+        local
+    }
+
+    /// Add what the stand-in is off by to what its runs have shown.
+    pub(crate) fn shift_by_bias(&self, local: &mut Local) {
         for ((mean, covariance), bias) in local.at.iter_mut().zip(&self.bias) {
             mean.iter_mut().zip(bias.0).for_each(|(m, b)| *m += b);
             let each = covariance.iter_mut().flatten().zip(bias.1.iter().flatten());
             each.for_each(|(c, b)| *c += b);
         }
-        local
+    }
+
+    /// What the stand-in would have shown where the whole rig was run.
+    pub(crate) fn take_off_bias(&self, sample: &mut Sample) {
+        for (mean, bias) in sample.mean.iter_mut().zip(&self.bias) {
+            mean.iter_mut().zip(bias.0).for_each(|(m, b)| *m -= b);
+        }
     }
 
     /// Variance at a point over that of one run from its frames, on average: 1 where one run was made, more

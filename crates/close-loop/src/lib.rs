@@ -25,6 +25,7 @@ mod refine;
 mod runs;
 mod scale;
 mod speeds;
+mod stand_in;
 mod table;
 
 pub use catalogue::{Catalogue, Effect, Needs};
@@ -35,6 +36,7 @@ pub use error::CloseLoopError;
 pub use outcome::{Errors, Outcome, Point, ResponseErrors, Side, StrengthOf};
 pub use plan::{Effort, LoopSettings};
 pub use scale::Scale;
+pub use stand_in::Fidelity;
 pub use table::close_with_table;
 
 /// The examples of the README, compiled.

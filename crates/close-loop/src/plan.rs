@@ -2,14 +2,15 @@
 
 use calib::attribution::Settings as AttributionSettings;
 use calib::{FrameCorrelation, FreeParameter, Nuisance, Observations};
-use campaign::drum_rig::{Coarsening, coarse};
 use rig_schema::{Case, Layer, MeasuredTable, Rig, Simulator, namespace};
 
 use crate::catalogue::Catalogue;
 use crate::emulator::Axis;
 use crate::error::CloseLoopError;
+use crate::runs::{fill_box, rig_at};
 use crate::scale::Scale;
 use crate::speeds::knots;
+use crate::stand_in::{Cast, Fidelity};
 
 /// Independent frames in a measured mean where neither the case nor the table says.
 const DEFAULT_N_EFF: f64 = 15.0;
@@ -21,6 +22,8 @@ pub struct LoopSettings {
     pub runs: Option<usize>,
     /// Most speeds that are simulated; others are interpolated.
     pub most_speeds: usize,
+    /// How near to the rig the simulations are.
+    pub fidelity: Fidelity,
     /// Seed of designs and fillings.
     pub seed: u64,
     /// Levels and sizes of the statistics.
@@ -34,7 +37,7 @@ impl Default for LoopSettings {
             stability_bootstrap: 99,
             ..AttributionSettings::default()
         };
-        Self { runs: None, most_speeds: 6, seed: 1, attribution }
+        Self { runs: None, most_speeds: 6, fidelity: Fidelity::Case, seed: 1, attribution }
     }
 }
 
@@ -136,10 +139,10 @@ impl Effort {
 /// A case made ready.
 #[derive(Debug, Clone)]
 pub(crate) struct Setup {
-    /// The rig that effects are simulated on, at the speeds to simulate.
+    /// The rig, at the speeds to simulate.
     pub(crate) rig: Rig,
-    /// The rig itself where `rig` is a stand-in.
-    pub(crate) full: Option<Rig>,
+    /// What is simulated in its place.
+    pub(crate) cast: Cast,
     pub(crate) free: Vec<FreeParameter>,
     pub(crate) axes: Vec<Axis>,
     pub(crate) knots: Vec<f64>,
@@ -163,9 +166,11 @@ impl Setup {
         let count = measured.rows.len();
         let all: Vec<f64> = measured.rows.iter().map(|r| r.omega_rpm).collect();
         let knots = knots(&all, settings.most_speeds);
-        let mut given = case.rig.clone();
-        given.run.speeds_rpm.clone_from(&knots);
-        let rig = if stand_in { coarse(&given, Coarsening::default())? } else { given.clone() };
+        let mut rig = case.rig.clone();
+        rig.run.speeds_rpm.clone_from(&knots);
+        let cast = Cast::of(settings.fidelity, stand_in);
+        // Refused now rather than run by run.
+        cast.everyday.of(&rig)?;
         let mut free = Vec::new();
         let mut axes = Vec::new();
         for f in &case.free {
@@ -205,12 +210,15 @@ impl Setup {
             .chain(case.nuisance.iter().map(|n| n.path.clone()))
             .collect();
         let mut catalogue = Catalogue::of(&rig, &taken).without(&case.catalogue.without);
+        if cast.everyday.coarse {
+            catalogue.leave_out_ends();
+        }
         if !case.catalogue.only.is_empty() {
             catalogue = catalogue.only(&case.catalogue.only);
         }
         Ok(Self {
             rig,
-            full: stand_in.then_some(given),
+            cast,
             free,
             axes,
             knots,
@@ -220,6 +228,14 @@ impl Setup {
             simulated,
             catalogue,
         })
+    }
+
+    /// The rig at the middle of the free ranges.
+    pub(crate) fn middle(&self) -> Result<Rig, CloseLoopError> {
+        let low: Vec<f64> = self.free.iter().map(|f| f.range.0).collect();
+        let high: Vec<f64> = self.free.iter().map(|f| f.range.1).collect();
+        let middle = fill_box(&self.axes, &low, &high, 1, 0);
+        rig_at(&self.rig, &self.axes, &middle[0], 0)
     }
 }
 

@@ -11,10 +11,12 @@ use crate::catalogue::{Effect, set};
 use crate::driver::{Stage, Told};
 use crate::emulator::{Axis, Sample};
 use crate::error::CloseLoopError;
+use crate::stand_in::{Cast, StandIn};
 
 /// Everything simulated so far, and what failed.
 pub(crate) struct Runs<'a> {
     pub(crate) lab: &'a Laboratory,
+    pub(crate) cast: Cast,
     pub(crate) seed: u64,
     /// Runs asked for, kept ones included.
     pub(crate) made: usize,
@@ -25,8 +27,8 @@ pub(crate) struct Runs<'a> {
 }
 
 impl<'a> Runs<'a> {
-    pub(crate) fn new(lab: &'a Laboratory, seed: u64) -> Self {
-        Self { lab, seed, made: 0, cost_s: 0.0, steps: 0, failed: Vec::new() }
+    pub(crate) fn new(lab: &'a Laboratory, cast: Cast, seed: u64) -> Self {
+        Self { lab, cast, seed, made: 0, cost_s: 0.0, steps: 0, failed: Vec::new() }
     }
 
     /// Seed of a filling: the same for the same stage and number.
@@ -45,7 +47,10 @@ impl<'a> Runs<'a> {
         rigs: &[(String, Rig)],
         watch: &mut dyn FnMut(&Told),
     ) -> Result<Vec<Option<Run>>, CloseLoopError> {
-        let list: Vec<Rig> = rigs.iter().map(|(_, rig)| rig.clone()).collect();
+        let whole = stage == Stage::Full || stage == Stage::Confirm && self.cast.confirm_whole;
+        let stand_in = if whole { self.cast.whole } else { Some(self.cast.everyday) };
+        let stand_in = stand_in.unwrap_or(StandIn::NONE);
+        let list = rigs.iter().map(|(_, rig)| stand_in.of(rig)).collect::<Result<Vec<Rig>, _>>()?;
         let (mut done, of) = (0, list.len());
         let made = self.made;
         // Filming a motion again is no run.

@@ -52,6 +52,7 @@ mod parameters;
 mod regime;
 mod schedule;
 mod script;
+mod soft;
 mod stationary;
 
 pub use assemble::DEFAULT_STEP_OVER_RAYLEIGH;
@@ -64,6 +65,7 @@ pub use options::Options;
 pub use outline::{Outline, outline};
 pub use regime::{Regime, froude};
 pub use script::Phase;
+pub use soft::soft;
 pub use stationary::{Mean, mean_of};
 
 /// Standard gravity as the engines of the field take it, m/s2.

@@ -11,16 +11,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rig_schema::{Case, MeasuredTable, Simulator};
 use serde::Serialize;
 
+use super::budget;
 use crate::cli::CloseLoopArgs;
 use crate::input::{self, CaseText};
 use crate::output;
 use crate::report::closing::{Closed, page};
 
-/// Share of a budget that runs may take; the rest is statistics.
-const SIMULATING: f64 = 0.8;
-
-/// Fewest speeds that a budget may leave: two to fit, one to predict.
-const LEAST_SPEEDS: usize = 3;
+/// Time after which a shorter way is pointed out, min.
+const LONG_MIN: f64 = 45.0;
 
 /// Runs for the embedded drum: less than three minutes on two cores.
 const EMBEDDED_RUNS: usize = 60;
@@ -120,11 +118,19 @@ fn by_runs(
         settings.runs = Some(EMBEDDED_RUNS);
     }
     if let Some(budget) = args.budget {
-        fit_budget(args, budget, case, measured, &lab, &mut settings)?;
+        budget::fit(args.jobs, budget, case, measured, &lab, &mut settings)?;
     }
     let this = CloseLoop { case, measured, lab: &lab, settings: &settings };
     let planned = this.planned()?;
-    eprintln!("at most {planned} runs, {} at a time; kept in {}", args.jobs, cache.display());
+    let minutes = budget::expected(&this, planned, args.jobs)? / 60.0;
+    eprintln!(
+        "at most {planned} runs, {} at a time, about {minutes:.0} min; kept in {}",
+        args.jobs,
+        cache.display()
+    );
+    if minutes > LONG_MIN && args.budget.is_none() {
+        eprintln!("`--budget 20min` takes fewer runs, or cheaper ones: the report says which");
+    }
     let bar = ProgressBar::new(planned as u64);
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos} of {len} runs, {msg}, {eta} left")?);
     let hidden = bar.is_hidden();
@@ -212,46 +218,6 @@ fn print(outcome: &Outcome, printed: &Printed<'_>) {
 /// Whether an error is the input's fault.
 pub(crate) fn is_input_fault(e: &CloseLoopError) -> bool {
     !matches!(e, CloseLoopError::Stopped)
-}
-
-/// Set the number of runs that a budget pays for, and simulate fewer speeds if the least plan needs it.
-fn fit_budget(
-    args: &CloseLoopArgs,
-    budget: std::time::Duration,
-    case: &Case,
-    measured: &MeasuredTable,
-    lab: &Laboratory,
-    settings: &mut LoopSettings,
-) -> anyhow::Result<()> {
-    eprintln!("a pilot run tells what a run costs");
-    let this = CloseLoop { case, measured, lab, settings: &*settings };
-    let rig = this.pilot()?;
-    let simulated = rig.run.speeds_rpm.len();
-    // Its cost is kept with it, so that a loop that goes on has the same number of runs.
-    let pilot = lab.run(&[rig], |_| ()).remove(0)?;
-    let mut least = 0;
-    let mut each = pilot.cost_s;
-    for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
-        each = pilot.cost_s * speeds as f64 / simulated as f64;
-        let runs = SIMULATING * budget.as_secs_f64() * args.jobs as f64 / each.max(1e-3);
-        settings.runs = Some(runs as usize);
-        settings.most_speeds = speeds;
-        match (CloseLoop { case, measured, lab, settings: &*settings }).planned() {
-            Err(close_loop::CloseLoopError::Budget { least: needed, .. }) => least = needed,
-            planned => {
-                if speeds < simulated {
-                    eprintln!("{speeds} of {simulated} speeds are simulated to keep to the budget");
-                }
-                return planned.map(drop).map_err(Into::into);
-            }
-        }
-    }
-    let minutes = least as f64 * each / (SIMULATING * args.jobs as f64 * 60.0);
-    anyhow::bail!(
-        "the budget is too small: a run costs {each:.0} s, and the least plan takes {least} of them, about {minutes:.0} min at {} jobs; \
-         give more time, set `catalogue.only`, or describe a smaller drum",
-        args.jobs
-    )
 }
 
 #[cfg(test)]

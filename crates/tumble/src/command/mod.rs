@@ -1,5 +1,6 @@
 //! One file a command.
 
+mod budget;
 pub(crate) mod calibrate;
 pub(crate) mod cases;
 pub(crate) mod close_loop;

@@ -1,0 +1,198 @@
+//! What a budget of time pays for: how many runs, at how many speeds, of the rig or of what stands in for it.
+
+use std::time::Duration;
+
+use campaign::Laboratory;
+use campaign::drum_rig::{Options, outline};
+use close_loop::{CloseLoop, CloseLoopError, Fidelity, LoopSettings};
+use rig_schema::{Case, MeasuredTable, Rig};
+
+/// Share of a budget that runs may take; the rest is statistics.
+const SIMULATING: f64 = 0.8;
+
+/// Fewest speeds that a budget may leave: two to fit, one to predict.
+const LEAST_SPEEDS: usize = 3;
+
+/// Fewest particles of a coarse stand-in: with fewer a bed is no continuum.
+const LEAST_PARTICLES: usize = 300;
+
+/// Time that no machine undercuts by much for one step of one sphere, s.
+const LEAST_COST_S: f64 = 60e-9;
+
+/// Runs that the smallest plans have about.
+const LEAST_RUNS: f64 = 30.0;
+
+/// Time of one step of one sphere, s, on a processor of 2026: 90 ns in large drums, 160 ns in small ones.
+const USUAL_COST_S: f64 = 130e-9;
+
+/// One way to simulate a case.
+struct Way {
+    fidelity: Fidelity,
+    /// Steps of all spheres in one run.
+    work: f64,
+    /// The same of all runs that anchor it.
+    anchors: f64,
+    pilot: Rig,
+}
+
+/// Steps of all spheres in one run, at least, and the number of particles.
+fn work(rig: &Rig) -> Result<(f64, usize), CloseLoopError> {
+    let outline = outline(rig, &Options::default())?;
+    let spheres = (outline.particles * outline.spheres_per_particle) as f64;
+    Ok((spheres * outline.least_steps as f64, outline.particles))
+}
+
+/// Ways to simulate the case, the nearest to the rig first. What saves less than a third is none.
+fn ways(
+    case: &Case,
+    measured: &MeasuredTable,
+    lab: &Laboratory,
+    settings: &LoopSettings,
+) -> anyhow::Result<Vec<Way>> {
+    let mut ways: Vec<Way> = Vec::new();
+    for fidelity in [Fidelity::Case, Fidelity::Soft, Fidelity::Coarse] {
+        let settings = LoopSettings { fidelity, ..settings.clone() };
+        let this = CloseLoop { case, measured, lab, settings: &settings };
+        // Only the case itself has to be possible.
+        let pilot = match this.pilot() {
+            Err(e) if fidelity == Fidelity::Case => return Err(e.into()),
+            Err(_) => continue,
+            Ok(pilot) => pilot,
+        };
+        let (own, particles) = work(&pilot)?;
+        if fidelity == Fidelity::Coarse && particles < LEAST_PARTICLES {
+            continue;
+        }
+        let anchors = match this.anchor_of_pilot()? {
+            Some((whole, runs)) => runs as f64 * work(&whole)?.0,
+            None => 0.0,
+        };
+        let least = |work: f64, anchors: f64| LEAST_RUNS * work + anchors;
+        if ways.iter().all(|w| least(own, anchors) < least(w.work, w.anchors) / 1.5) {
+            ways.push(Way { fidelity, work: own, anchors, pilot });
+        }
+    }
+    Ok(ways)
+}
+
+/// Set the number of runs that a budget pays for. Where it does not pay for the rig, softer particles, a coarse stand-in
+/// and then fewer speeds are taken, the first that will do.
+pub(super) fn fit(
+    jobs: usize,
+    budget: Duration,
+    case: &Case,
+    measured: &MeasuredTable,
+    lab: &Laboratory,
+    settings: &mut LoopSettings,
+) -> anyhow::Result<()> {
+    let ways = ways(case, measured, lab, settings)?;
+    let time = SIMULATING * budget.as_secs_f64() * jobs as f64;
+    // A pilot of what no plan could pay for would only spend the budget.
+    let hopeless = |w: &Way| LEAST_RUNS * w.work * LEAST_COST_S > time;
+    let Some(first) = ways.iter().find(|w| !hopeless(w)).or(ways.last()) else {
+        anyhow::bail!("the case has nothing to simulate");
+    };
+    eprintln!("a pilot run tells what a run costs");
+    // Its cost is kept with it, so that a loop that goes on has the same number of runs.
+    let pilot = lab.run(std::slice::from_ref(&first.pilot), |_| ()).remove(0)?;
+    let rate = pilot.cost_s / first.work;
+    let simulated = first.pilot.run.speeds_rpm.len();
+    let mut shortest: Option<f64> = None;
+    for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
+        let share = speeds as f64 / simulated as f64;
+        for way in ways.iter().filter(|w| !hopeless(w) || w.work <= first.work) {
+            let each = (way.work * rate * share).max(1e-3);
+            let anchors = way.anchors * rate * share;
+            settings.fidelity = way.fidelity;
+            settings.most_speeds = speeds;
+            settings.runs = Some(((time - anchors).max(0.0) / each) as usize);
+            match (CloseLoop { case, measured, lab, settings: &*settings }).planned() {
+                Ok(_) => {
+                    eprintln!("{}", told(way.fidelity, speeds, simulated));
+                    return Ok(());
+                }
+                Err(CloseLoopError::Budget { least, .. }) => {
+                    let needed = (least as f64 * each + anchors) / (SIMULATING * jobs as f64);
+                    shortest = Some(shortest.map_or(needed, |s| s.min(needed)));
+                }
+                Err(e) => return Err(e.into()),
+            }
+        }
+    }
+    let minutes = shortest.unwrap_or(f64::NAN) / 60.0;
+    anyhow::bail!(
+        "the budget is too small: the cheapest plan takes about {minutes:.0} min at {jobs} jobs; \
+         give more time, set `catalogue.only`, or describe a smaller drum"
+    )
+}
+
+/// About how long a number of runs takes, s, known before any is made.
+pub(super) fn expected(
+    this: &CloseLoop<'_>,
+    runs: usize,
+    jobs: usize,
+) -> Result<f64, CloseLoopError> {
+    let mut all = runs as f64 * work(&this.pilot()?)?.0;
+    if let Some((whole, anchors)) = this.anchor_of_pilot()? {
+        all += anchors as f64 * work(&whole)?.0;
+    }
+    Ok(all * USUAL_COST_S / jobs as f64)
+}
+
+fn told(fidelity: Fidelity, speeds: usize, of: usize) -> String {
+    let what = match fidelity {
+        Fidelity::Case => "the rig is simulated as the case asks",
+        Fidelity::Soft => "to keep to the budget the rig is simulated with softer particles",
+        Fidelity::Coarse => {
+            "to keep to the budget a coarse stand-in is simulated, shifted to agree with a few runs of the rig with softer particles"
+        }
+    };
+    if speeds < of { format!("{what}, at {speeds} of {of} speeds") } else { what.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use campaign::Sampling;
+
+    /// The drum of the thesis, six speeds.
+    const FULL_SIZE: &str = r#"
+name = "beads"
+drum = { radius_m = 0.125, length_m = 0.15, mantle = "glass", end_plates = "glass" }
+particles = { material = "glass", shape = { sphere = { diameter_m = 0.006 } } }
+fill.count = 7807
+friction = { pp = 0.5, mantle = 0.6 }
+restitution = { pp = 0.9, mantle = 0.85 }
+rolling = { pp = 0.01, mantle = 0.01 }
+run = { speeds_rpm = [4.0], frames = 15 }
+data.responses = "measured.csv"
+free.friction.pp.range = [0.1, 0.9]
+simulator.rig = {}
+[materials]
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 2.52e7 }
+"#;
+
+    const MEASURED: &str = "\
+omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_eff
+10,28,1,28,1,25,0.5,45,0.5,20
+20,29,1,30,1,26,0.5,44,0.5,20
+30,30,1,32,1,27,0.5,43,0.5,20
+";
+
+    #[test]
+    fn a_large_drum_has_cheaper_ways_that_keep_its_measured_speeds() {
+        let case = Case::parse("beads.toml", FULL_SIZE).unwrap();
+        let measured = MeasuredTable::parse("measured.csv", MEASURED).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+        let ways = ways(&case, &measured, &lab, &LoopSettings::default()).unwrap();
+        let names: Vec<Fidelity> = ways.iter().map(|w| w.fidelity).collect();
+        assert_eq!(names, [Fidelity::Case, Fidelity::Soft, Fidelity::Coarse]);
+        // Steps are 4.7 times as long; the stand-in has an eighth of the beads and steps 1.5 times as long again.
+        let softer = ways[0].work / ways[1].work;
+        assert!((softer / 4.7 - 1.0).abs() < 0.05, "{softer}");
+        let coarser = ways[1].work / ways[2].work;
+        assert!((coarser / (1.5_f64.powi(4) * 150.0 / 72.0) - 1.0).abs() < 0.05, "{coarser}");
+        assert!(ways.iter().all(|w| w.pilot.run.speeds_rpm == [10.0, 20.0, 30.0]));
+    }
+}
