@@ -4,13 +4,14 @@ use calib::attribution::{Finding, Verdict};
 use calib::{Nuisance, Observations, chi_square_p};
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
+use rig_schema::Response;
 
 use crate::catalogue::Effect;
 use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::outcome::{Errors, Outcome, Side, StrengthOf};
+use crate::outcome::{Errors, Outcome, Prediction, Side, StrengthOf};
 use crate::process::Local;
 use crate::runs::{rig_with_all, sample};
 
@@ -210,15 +211,14 @@ fn fresh(
     }
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
-    let speeds: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
-    let mut distinct = speeds.clone();
+    let asked = &state.setup.predict;
+    let mut distinct: Vec<f64> =
+        items.iter().map(|o| o.omega_rpm).chain(asked.iter().copied()).collect();
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
     let predicted = base.spread(&distinct, &local);
-    let place: Vec<usize> = items
-        .iter()
-        .map(|o| 4 * distinct.partition_point(|s| *s < o.omega_rpm) + o.response.index())
-        .collect();
+    let spot = |omega: f64, r: Response| 4 * distinct.partition_point(|s| *s < omega) + r.index();
+    let place: Vec<usize> = items.iter().map(|o| spot(o.omega_rpm, o.response)).collect();
     let noise = |i: usize, j: usize| {
         let own = |o: &Observations, i: usize, j: usize| o.covariance(i, j);
         let measured = match (&state.setup.held_out, i < fitted, j < fitted) {
@@ -273,6 +273,18 @@ fn fresh(
         p: chi_square_p(chi2, dof),
         p_all,
     };
+    let predictions = asked
+        .iter()
+        .flat_map(|omega| Response::ALL.map(|r| (*omega, r)))
+        .map(|(omega_rpm, r)| {
+            let at = spot(omega_rpm, r);
+            let mean = predicted.mean[at];
+            let moved = |(n, e): (&Nuisance, &f64)| n.slope(r, mean) * (n.departure(n.mean) + e);
+            let moved: f64 = nuisances.iter().zip(&estimate).map(moved).sum();
+            let sd = predicted.covariance(at, at).max(0.0).sqrt();
+            Prediction { omega_rpm, response: r.column(), mean: mean + moved, sd }
+        })
+        .collect();
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));
@@ -284,7 +296,7 @@ fn fresh(
         // Models are of stand-ins, and are shifted afterwards.
         samples.iter_mut().for_each(|s| base.take_off_bias(s));
     }
-    let side = Side { effect, at: named, fillings: runs.len(), errors };
+    let side = Side { effect, at: named, fillings: runs.len(), errors, predictions };
     Ok(Some(Fresh { side, points, samples }))
 }
 

@@ -56,6 +56,19 @@ pub struct Errors {
     pub p_all: f64,
 }
 
+/// What a confirmed model says of a speed that was asked for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Speed, rpm.
+    pub omega_rpm: f64,
+    /// Column of the response.
+    pub response: &'static str,
+    /// Mean over fresh runs, deg or percent of R, nuisances at their estimates.
+    pub mean: f64,
+    /// Standard deviation of a drum filled anew about it, without that of its frames.
+    pub sd: f64,
+}
+
 /// One confirmed model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Side {
@@ -67,6 +80,8 @@ pub struct Side {
     pub fillings: usize,
     /// Errors of the fresh runs.
     pub errors: Errors,
+    /// Responses at the speeds that were asked for.
+    pub predictions: Vec<Prediction>,
 }
 
 /// Strength of a named effect.

@@ -22,6 +22,8 @@ pub struct LoopSettings {
     pub runs: Option<usize>,
     /// Most speeds that are simulated; others are interpolated.
     pub most_speeds: usize,
+    /// Speeds to predict, rpm: they are simulated too.
+    pub predict: Vec<f64>,
     /// How near to the rig the simulations are.
     pub fidelity: Fidelity,
     /// Seed of designs and fillings.
@@ -37,7 +39,14 @@ impl Default for LoopSettings {
             stability_bootstrap: 99,
             ..AttributionSettings::default()
         };
-        Self { runs: None, most_speeds: 6, fidelity: Fidelity::Case, seed: 1, attribution }
+        Self {
+            runs: None,
+            most_speeds: 6,
+            predict: Vec::new(),
+            fidelity: Fidelity::Case,
+            seed: 1,
+            attribution,
+        }
     }
 }
 
@@ -152,6 +161,8 @@ pub(crate) struct Setup {
     /// Uncertain knowns that must be simulated: path, mean, standard deviation.
     pub(crate) simulated: Vec<(String, f64, f64)>,
     pub(crate) catalogue: Catalogue,
+    /// Speeds to predict, rpm.
+    pub(crate) predict: Vec<f64>,
 }
 
 impl Setup {
@@ -165,10 +176,11 @@ impl Setup {
         };
         let count = measured.rows.len();
         let all: Vec<f64> = measured.rows.iter().map(|r| r.omega_rpm).collect();
-        let knots = knots(&all, settings.most_speeds);
+        let asked: Vec<f64> = all.iter().chain(&settings.predict).copied().collect();
+        let knots = knots(&asked, settings.most_speeds);
         let mut rig = case.rig.clone();
         rig.run.speeds_rpm.clone_from(&knots);
-        let cast = Cast::of(settings.fidelity, stand_in);
+        let cast = Cast::of(settings.fidelity, stand_in, &rig);
         // Refused now rather than run by run.
         cast.everyday.of(&rig)?;
         let mut free = Vec::new();
@@ -210,7 +222,7 @@ impl Setup {
             .chain(case.nuisance.iter().map(|n| n.path.clone()))
             .collect();
         let mut catalogue = Catalogue::of(&rig, &taken).without(&case.catalogue.without);
-        if cast.everyday.coarse {
+        if cast.everyday.coarse.is_some_and(|by| by.cuts(&rig)) {
             catalogue.leave_out_ends();
         }
         if !case.catalogue.only.is_empty() {
@@ -227,6 +239,7 @@ impl Setup {
             nuisances,
             simulated,
             catalogue,
+            predict: settings.predict.clone(),
         })
     }
 

@@ -19,28 +19,34 @@ pub enum Fidelity {
 /// Overlap over diameter that softer particles have under a bed as deep as the drum's radius.
 pub(crate) const OVERLAP: f64 = 0.02;
 
+/// Particles of a coarse stand-in, at most, where the drum leaves the choice.
+const PARTICLES: usize = 2000;
+
 /// A change of the rig before it is simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct StandIn {
     /// Softer particles.
     pub(crate) soft: bool,
-    /// Larger particles in a short drum.
-    pub(crate) coarse: bool,
+    /// Larger particles, in a slice of the drum where it is long.
+    pub(crate) coarse: Option<Coarsening>,
 }
 
 impl StandIn {
     /// The rig itself.
-    pub(crate) const NONE: Self = Self { soft: false, coarse: false };
+    pub(crate) const NONE: Self = Self { soft: false, coarse: None };
     /// Softer particles.
-    pub(crate) const SOFT: Self = Self { soft: true, coarse: false };
-    /// Softer and larger particles in a short drum.
-    pub(crate) const COARSE: Self = Self { soft: true, coarse: true };
+    pub(crate) const SOFT: Self = Self { soft: true, coarse: None };
+
+    /// Softer and larger particles.
+    fn coarse(rig: &Rig) -> Self {
+        Self { soft: true, coarse: Some(Coarsening::for_particles(rig, PARTICLES)) }
+    }
 
     /// What is simulated for a rig, effects included: strengths are those of the rig, and are scaled with it.
     pub(crate) fn of(self, rig: &Rig) -> Result<Rig, drum_rig::Error> {
         let mut with = if self.soft { soft(rig, OVERLAP)? } else { rig.clone() };
-        if self.coarse {
-            with = coarse(&with, Coarsening::default())?;
+        if let Some(by) = self.coarse {
+            with = coarse(&with, by)?;
         }
         Ok(with)
     }
@@ -60,20 +66,20 @@ pub(crate) struct Cast {
 }
 
 impl Cast {
-    pub(crate) fn of(fidelity: Fidelity, asks_coarse: bool) -> Self {
+    pub(crate) fn of(fidelity: Fidelity, asks_coarse: bool, rig: &Rig) -> Self {
         let alone =
             |everyday| Self { everyday, whole: None, anchors: [0; 3], confirm_whole: false };
         match fidelity {
             Fidelity::Case if !asks_coarse => alone(StandIn::NONE),
             Fidelity::Case => Self {
-                everyday: StandIn::COARSE,
+                everyday: StandIn::coarse(rig),
                 whole: Some(StandIn::NONE),
                 anchors: [2, 2, 2],
                 confirm_whole: true,
             },
             Fidelity::Soft => alone(StandIn::SOFT),
             Fidelity::Coarse => Self {
-                everyday: StandIn::COARSE,
+                everyday: StandIn::coarse(rig),
                 whole: Some(StandIn::SOFT),
                 anchors: [1, 0, 2],
                 confirm_whole: false,
@@ -92,6 +98,7 @@ impl Cast {
         let softer = format!(
             "softer particles (overlap {share:.0} % of the diameter under a bed as deep as the drum's radius)"
         );
+        let size = self.everyday.coarse.map_or(1.0, |by| by.size);
         match self.whole {
             None if self.everyday == StandIn::NONE => None,
             None => Some(format!("The rig was simulated with {softer}.")),
@@ -107,7 +114,7 @@ impl Cast {
                     "fresh runs are of the stand-in as well"
                 };
                 Some(format!(
-                    "Effects were simulated on a coarse stand-in with {softer}, shifted by its difference from {} runs of {of} near the calibrated point; {fresh}.",
+                    "Effects were simulated on a stand-in with particles {size} times as large and {softer}, shifted by its difference from {} runs of {of} near the calibrated point; {fresh}.",
                     self.anchored()
                 ))
             }
@@ -153,20 +160,20 @@ soft = { density_kg_m3 = 1190.0, poisson_ratio = 0.37, shear_modulus_pa = 1e5 }
         // Under one load overlaps, and with them contact areas, grow by 21.9^(2/3).
         let energy = |r: &Rig| r.settings.value("cohesion.energy_density_j_m3").unwrap();
         assert!((energy(&given) / energy(&soft) - 21.9_f64.powf(2.0 / 3.0)).abs() < 0.05);
-        let coarse = StandIn::COARSE.of(&given).unwrap();
+        let coarse = StandIn::coarse(&given).of(&given).unwrap();
         assert!((energy(&coarse) / energy(&soft) - 1.5).abs() < 1e-12);
         assert_eq!(StandIn::NONE.of(&given).unwrap(), given);
     }
 
     #[test]
     fn what_stands_in_is_said() {
-        assert_eq!(Cast::of(Fidelity::Case, false).assumed(), None);
-        let asked = Cast::of(Fidelity::Case, true);
+        assert_eq!(Cast::of(Fidelity::Case, false, &rig()).assumed(), None);
+        let asked = Cast::of(Fidelity::Case, true, &rig());
         assert_eq!(asked.anchored(), 6);
         assert!(asked.assumed().unwrap().contains("fresh runs are of the rig itself"));
-        let cheap = Cast::of(Fidelity::Coarse, false);
+        let cheap = Cast::of(Fidelity::Coarse, false, &rig());
         assert_eq!(cheap.anchored(), 3);
         assert!(cheap.assumed().unwrap().contains("of the stand-in"));
-        assert_eq!(Cast::of(Fidelity::Soft, true).anchored(), 0);
+        assert_eq!(Cast::of(Fidelity::Soft, true, &rig()).anchored(), 0);
     }
 }

@@ -301,6 +301,9 @@ impl Table<'_> {
             },
         };
         let at = free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
-        Ok((Side { effect: effect.cloned(), at, fillings: 0, errors }, values))
+        Ok((
+            Side { effect: effect.cloned(), at, fillings: 0, errors, predictions: Vec::new() },
+            values,
+        ))
     }
 }

@@ -1,7 +1,8 @@
 //! A coarser stand-in of a rig, for quick work.
 //!
 //! The drum is cut to a short slice with periodic ends and filled with beads that are larger by a
-//! factor `k`, at the same fill volume. What is scaled along, so that the bed feels the same:
+//! factor `k`, at the same fill volume. A drum that is no longer than the slice keeps its length and its ends.
+//! What is scaled along, so that the bed feels the same:
 //!
 //! | quantity | scaled by | what stays the same |
 //! |---|---|---|
@@ -14,8 +15,8 @@
 //! | energy density | `k` | Bond number, overlap over diameter being kept |
 //! | rolling coefficients (numbers) | 1 | lever over radius |
 //!
-//! What is lost: the friction of the end plates, which steepens the bed the more the shorter the
-//! drum is, and the ratio of layer depth to bead diameter. The bias has to be measured against the full rig.
+//! What is lost: in a slice the friction of the end plates, which steepens the bed the more the shorter the
+//! drum is, and always the ratio of layer depth to bead diameter. The bias has to be measured against the full rig.
 
 use rig_schema::{Ends, Rig, Settings, Shape};
 
@@ -34,6 +35,61 @@ impl Default for Coarsening {
     fn default() -> Self {
         Self { size: 1.5, diameters: 8.0 }
     }
+}
+
+/// Sizes among which [`Coarsening::for_particles`] chooses.
+const SIZES: [f64; 7] = [1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0];
+/// Radius of the drum over the diameter of the larger particles, at least.
+const LEAST_RADIUS: f64 = 10.0;
+
+impl Coarsening {
+    /// The finest stand-in with at most `particles`, or the coarsest that leaves ten diameters to the drum's radius.
+    pub fn for_particles(rig: &Rig, particles: usize) -> Self {
+        let volume = particle_volume(rig);
+        let full = match rig.settings.value("fill.count") {
+            Some(count) => count,
+            None => {
+                let density = rig
+                    .materials
+                    .get(&rig.particles.material)
+                    .map_or(f64::NAN, |m| m.density_kg_m3);
+                let each = rig.particles.mass_kg.unwrap_or(density * volume);
+                rig.settings.value("fill.mass_kg").unwrap_or(f64::NAN) / each
+            }
+        };
+        let mut best = Self::default();
+        for size in SIZES {
+            let by = Self { size, ..best };
+            let diameter = size * diameter(rig);
+            if size > SIZES[0] && rig.drum.radius_m < LEAST_RADIUS * diameter {
+                break;
+            }
+            best = by;
+            let share = (by.diameters * diameter / rig.drum.length_m).min(1.0);
+            if full * share / size.powi(3) <= particles as f64 {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Whether the drum is cut to a slice, and so loses its ends.
+    pub fn cuts(self, rig: &Rig) -> bool {
+        rig.drum.length_m > self.diameters * self.size * diameter(rig)
+    }
+}
+
+/// Outer diameter of a particle as described, m: an error of size changes neither the slice nor its ends.
+fn diameter(rig: &Rig) -> f64 {
+    match &rig.particles.shape {
+        Shape::Sphere(s) => s.diameter_m,
+        Shape::RingTablet(r) => 2.0 * (r.sphere_radius_m + r.ring_radius_m),
+    }
+}
+
+/// Volume of the sphere about a particle, m3.
+fn particle_volume(rig: &Rig) -> f64 {
+    std::f64::consts::PI / 6.0 * diameter(rig).powi(3)
 }
 
 /// Parameters of end plates, which a periodic slice does not have.
@@ -58,37 +114,36 @@ pub fn coarse(rig: &Rig, by: Coarsening) -> Result<Rig, Error> {
         let value = by.diameters;
         return Err(Error::Option { name: "diameters", value, expected: "at least 6" });
     }
+    let cuts = by.cuts(rig);
     let refuse = |first| {
         let because = "a periodic slice has neither ends nor a liner's own length";
         Err(Error::Contradiction { first, second: "a coarse stand-in", because })
     };
-    if rig.settings.value("axis.inclination_deg").is_some_and(|a| a != 0.0) {
+    if cuts && rig.settings.value("axis.inclination_deg").is_some_and(|a| a != 0.0) {
         return refuse("an inclined axis");
     }
     if rig.drum.liner.is_some() {
         return refuse("a liner");
     }
     let mut coarse = rig.clone();
-    let diameter = match &mut coarse.particles.shape {
-        Shape::Sphere(s) => {
-            s.diameter_m *= k;
-            s.diameter_m
-        }
+    match &mut coarse.particles.shape {
+        Shape::Sphere(s) => s.diameter_m *= k,
         Shape::RingTablet(r) => {
             r.sphere_radius_m *= k;
             r.ring_radius_m *= k;
             r.middle_radius_m = r.middle_radius_m.map(|m| m * k);
-            2.0 * (r.sphere_radius_m + r.ring_radius_m)
         }
-    };
-    let diameter = diameter * rig.settings.value("size.scale").unwrap_or(1.0);
+    }
     coarse.particles.mass_kg = rig.particles.mass_kg.map(|m| m * k.powi(3));
     coarse.run.time_step_s = rig.run.time_step_s.map(|dt| dt * k);
-    coarse.drum.ends = Ends::Periodic;
-    coarse.drum.length_m = rig.drum.length_m.min(by.diameters * diameter);
+    if cuts {
+        coarse.drum.ends = Ends::Periodic;
+        coarse.drum.length_m = by.diameters * diameter(&coarse);
+    }
     let share = coarse.drum.length_m / rig.drum.length_m;
     let mut settings = Settings::default();
-    for (path, value) in rig.settings.iter().filter(|(path, _)| !END_PLATES.contains(path)) {
+    let kept = |path: &str| !cuts || !END_PLATES.contains(&path);
+    for (path, value) in rig.settings.iter().filter(|(path, _)| kept(path)) {
         let factor = match path {
             "fill.count" => share / k.powi(3),
             "fill.mass_kg" => share,

@@ -194,6 +194,33 @@ fn a_coarse_stand_in_keeps_the_fill_and_the_share_of_the_rayleigh_time() {
     assert!((volume(&short) / volume(&rig) - 1.0).abs() < 0.5 / 130.0);
     assert_eq!(short.drum.length_m, 0.04);
     assert_eq!(short.run.time_step_s, Some(1e-4));
+    // A drum that is no longer than the slice keeps its ends.
+    rig.drum.length_m = 0.035;
+    let whole = coarse(&with(&rig, &[("axis.inclination_deg", 1.0)]), by).unwrap();
+    assert_eq!((whole.drum.length_m, whole.drum.ends), (0.035, rig.drum.ends));
+    assert_eq!(whole.settings.given("rolling.end_plate"), Some(0.01));
+    rig.drum.length_m = 0.06;
     let refused = coarse(&with(&rig, &[("axis.inclination_deg", 1.0)]), by);
     assert!(matches!(refused, Err(Error::Contradiction { .. })));
+}
+
+#[test]
+fn a_stand_in_is_as_fine_as_a_number_of_particles_allows() {
+    let mut rig = small(30_000);
+    rig.drum.radius_m = 0.042;
+    rig.drum.length_m = 0.02;
+    if let drum_rig::rig_schema::Shape::Sphere(s) = &mut rig.particles.shape {
+        s.diameter_m = 0.0012;
+    }
+    // 30 000 / 2.25^3 = 2634 in the whole length (8 x 2.7 mm is longer), / 2.5^3 = 1920.
+    let by = Coarsening::for_particles(&rig, 2000);
+    assert_eq!(by.size, 2.5);
+    assert!(!by.cuts(&rig));
+    // Slices of 8 x 1.8 mm hold 30 000 x 0.72 / 1.5^3 = 6400.
+    let fine = Coarsening::for_particles(&rig, 7000);
+    assert_eq!(fine.size, 1.5);
+    assert!(fine.cuts(&rig));
+    // Not beyond a tenth of the radius.
+    rig.drum.radius_m = 0.028;
+    assert_eq!(Coarsening::for_particles(&rig, 100).size, 2.25);
 }

@@ -23,6 +23,9 @@ pub(crate) struct CloseLoopArgs {
     /// Most speeds that are simulated; others are interpolated.
     #[arg(long, value_name = "N", default_value_t = 6)]
     pub(crate) speeds: usize,
+    /// Speeds to predict by the confirmed models, rpm, for instance 20,60.
+    #[arg(long, value_name = "RPM", value_delimiter = ',')]
+    pub(crate) predict: Vec<f64>,
     /// Width of the frames, pixels.
     #[arg(long, default_value_t = 484)]
     pub(crate) width: u32,

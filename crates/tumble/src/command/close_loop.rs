@@ -109,6 +109,7 @@ fn by_runs(
     let mut settings = LoopSettings {
         runs: args.runs,
         most_speeds: args.speeds,
+        predict: speeds_to_predict(&args.predict)?,
         seed: args.seed,
         ..LoopSettings::default()
     };
@@ -145,7 +146,21 @@ fn by_runs(
     Ok(outcome?)
 }
 
+fn speeds_to_predict(asked: &[f64]) -> anyhow::Result<Vec<f64>> {
+    for rpm in asked {
+        anyhow::ensure!(
+            rpm.is_finite() && *rpm > 0.0,
+            "--predict {rpm}: expected speeds in rpm, above 0"
+        );
+    }
+    Ok(asked.to_vec())
+}
+
 fn by_table(args: &CloseLoopArgs, text: &CaseText) -> anyhow::Result<Outcome> {
+    anyhow::ensure!(
+        args.predict.is_empty(),
+        "--predict needs simulations: expected a case with [simulator.rig]"
+    );
     let loaded = input::load(&text.asked, rig_schema::ErrataLevel::Certain)?;
     let study = calib::Study::new(&loaded.case, &loaded.measured, loaded.simulated)?;
     let mut settings = LoopSettings { seed: args.seed, ..LoopSettings::default() }.attribution;
@@ -207,6 +222,19 @@ fn print(outcome: &Outcome, printed: &Printed<'_>) {
                 "{name:>12} {:>14} {:>10.2} {:>10.2} {:>12.2}",
                 b.response, b.rmse, a.rmse, b.floor
             );
+        }
+    }
+    for side in std::iter::once(&outcome.before)
+        .chain(outcome.after.effect.is_some().then_some(&outcome.after))
+        .chain(&outcome.others)
+    {
+        for four in side.predictions.chunks(4) {
+            let model = side.effect.as_deref().unwrap_or("the calibrated model");
+            let each: Vec<String> = four
+                .iter()
+                .map(|p| format!("{} {:.2} ± {:.2}", p.response, p.mean, p.sd))
+                .collect();
+            println!("  {:.1} rpm by {model}: {}", four[0].omega_rpm, each.join(", "));
         }
     }
     if let Some(removed) = outcome.removed {

@@ -29,15 +29,10 @@ pub(crate) fn page(c: &Closed<'_>) -> Page {
         title: format!("What {} lacks", c.case.rig.name),
         subtitle: c.case.rig.title.clone(),
         verdict: Some(Verdict { sentence: o.sentence.clone(), tone }),
-        sections: vec![
-            errors(o),
-            curves(o),
-            candidates(o),
-            apart(o),
-            detectable(o),
-            stability(o),
-            assumed(o),
-        ],
+        sections: std::iter::once(errors(o))
+            .chain(predictions(o))
+            .chain([curves(o), candidates(o), apart(o), detectable(o), stability(o), assumed(o)])
+            .collect(),
         provenance: Some(Provenance {
             inputs: c.inputs.clone(),
             seed: Some(c.args.seed),
@@ -152,6 +147,34 @@ fn errors(o: &Outcome) -> Section {
     }
     section.blocks.push(Block::List(facts));
     section
+}
+
+/// What the confirmed models say of speeds that were asked for.
+fn predictions(o: &Outcome) -> Option<Section> {
+    let models = std::iter::once(&o.before)
+        .chain(o.after.effect.is_some().then_some(&o.after))
+        .chain(&o.others);
+    let rows: Vec<Row> = models
+        .flat_map(|side| side.predictions.chunks(4).map(move |four| (side, four)))
+        .map(|(side, four)| {
+            let own = [model(side), short(four[0].omega_rpm)];
+            let values = four.iter().map(|p| format!("{:.2} ± {:.2}", p.mean, p.sd));
+            Row::new(own.into_iter().chain(values).collect::<Vec<_>>())
+        })
+        .collect();
+    if rows.is_empty() {
+        return None;
+    }
+    let columns = [Column::text("model"), Column::number("speed", "rpm")]
+        .into_iter()
+        .chain(Response::ALL.map(|r| Column::number(r.column(), unit(r.column()))))
+        .collect();
+    Some(Section::new("Predictions").with(Block::Table(Table {
+        caption:
+            "Means of fresh runs, with one standard deviation of a drum filled anew".to_owned(),
+        columns,
+        rows,
+    })))
 }
 
 fn curves(o: &Outcome) -> Section {
