@@ -2,6 +2,7 @@
 
 use calib::attribution::{Finding, Verdict};
 use calib::{Nuisance, Observations, chi_square_p};
+use campaign::Run;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
 use rig_schema::Response;
@@ -11,7 +12,8 @@ use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::outcome::{Errors, Outcome, Prediction, Side, StrengthOf};
+use crate::outcome::{Errors, Outcome, Side, StrengthOf};
+use crate::predict::{predicted_rows, predictions};
 use crate::process::Local;
 use crate::runs::{rig_with_all, sample};
 
@@ -185,7 +187,8 @@ fn fresh(
     round: usize,
     watch: &mut dyn FnMut(&Told),
 ) -> Result<Option<Fresh>, CloseLoopError> {
-    let rig = state.setup.rig.clone();
+    let mut rig = state.setup.rig.clone();
+    rig.run.speeds_rpm = state.setup.speeds_of_fresh_runs();
     let mut rigs = Vec::new();
     for k in 0..state.effort.confirm {
         let filling = state.runs.filling(Stage::Confirm, ROUND * round + k);
@@ -193,11 +196,13 @@ fn fresh(
         let label = if effects.is_empty() { "the calibrated model".to_owned() } else { named };
         rigs.push((format!("{label}, fresh"), with));
     }
-    let runs: Vec<_> =
+    let mut runs: Vec<Run> =
         state.runs.all(Stage::Confirm, &rigs, watch)?.into_iter().flatten().collect();
     if runs.is_empty() {
         return Ok(None);
     }
+    // Speeds to predict are set aside; the rest is as in every other run.
+    let asked = predicted_rows(&mut runs, &state.setup);
     let n = runs.len() as f64;
     let mean = |k: usize, r: usize| runs.iter().map(|run| run.speeds[k].mean[r]).sum::<f64>() / n;
     let shared = vec![base.shift().map(|s| s / n.sqrt()); base.knots().len()];
@@ -211,9 +216,7 @@ fn fresh(
     }
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
-    let asked = &state.setup.predict;
-    let mut distinct: Vec<f64> =
-        items.iter().map(|o| o.omega_rpm).chain(asked.iter().copied()).collect();
+    let mut distinct: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
     let predicted = base.spread(&distinct, &local);
@@ -273,18 +276,12 @@ fn fresh(
         p: chi_square_p(chi2, dof),
         p_all,
     };
-    let predictions = asked
-        .iter()
-        .flat_map(|omega| Response::ALL.map(|r| (*omega, r)))
-        .map(|(omega_rpm, r)| {
-            let at = spot(omega_rpm, r);
-            let mean = predicted.mean[at];
-            let moved = |(n, e): (&Nuisance, &f64)| n.slope(r, mean) * (n.departure(n.mean) + e);
-            let moved: f64 = nuisances.iter().zip(&estimate).map(moved).sum();
-            let sd = predicted.covariance(at, at).max(0.0).sqrt();
-            Prediction { omega_rpm, response: r.column(), mean: mean + moved, sd }
-        })
-        .collect();
+    let nuisance = |r: Response, mean: f64| -> f64 {
+        let each = nuisances.iter().zip(&estimate);
+        each.map(|(n, e)| n.slope(r, mean) * (n.departure(n.mean) + e)).sum()
+    };
+    let bias = (!cast.confirm_whole).then(|| base.bias());
+    let predictions = predictions(&asked, &state.setup, base, bias, &nuisance);
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));

@@ -95,6 +95,11 @@ impl Emulator {
         self
     }
 
+    /// What was added to every prediction.
+    pub(crate) fn bias(&self) -> &[Shift] {
+        &self.bias
+    }
+
     /// Covariance of one run from its frames, by knot.
     pub fn frames(&self) -> &[[[f64; 4]; 4]] {
         &self.frames

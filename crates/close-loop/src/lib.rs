@@ -20,6 +20,7 @@ mod error;
 mod outcome;
 mod pairs;
 mod plan;
+mod predict;
 mod process;
 mod refine;
 mod runs;

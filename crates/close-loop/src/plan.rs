@@ -22,7 +22,7 @@ pub struct LoopSettings {
     pub runs: Option<usize>,
     /// Most speeds that are simulated; others are interpolated.
     pub most_speeds: usize,
-    /// Speeds to predict, rpm: they are simulated too.
+    /// Speeds to predict, rpm: the fresh runs go through them as well.
     pub predict: Vec<f64>,
     /// How near to the rig the simulations are.
     pub fidelity: Fidelity,
@@ -176,8 +176,7 @@ impl Setup {
         };
         let count = measured.rows.len();
         let all: Vec<f64> = measured.rows.iter().map(|r| r.omega_rpm).collect();
-        let asked: Vec<f64> = all.iter().chain(&settings.predict).copied().collect();
-        let knots = knots(&asked, settings.most_speeds);
+        let knots = knots(&all, settings.most_speeds);
         let mut rig = case.rig.clone();
         rig.run.speeds_rpm.clone_from(&knots);
         let cast = Cast::of(settings.fidelity, stand_in, &rig);
@@ -241,6 +240,14 @@ impl Setup {
             catalogue,
             predict: settings.predict.clone(),
         })
+    }
+
+    /// Speeds of the fresh runs: those of all others, and those to predict.
+    pub(crate) fn speeds_of_fresh_runs(&self) -> Vec<f64> {
+        let mut all: Vec<f64> = self.knots.iter().chain(&self.predict).copied().collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
     }
 
     /// The rig at the middle of the free ranges.

@@ -81,7 +81,7 @@ impl Cast {
             Fidelity::Coarse => Self {
                 everyday: StandIn::coarse(rig),
                 whole: Some(StandIn::SOFT),
-                anchors: [1, 0, 2],
+                anchors: [1, 0, 1],
                 confirm_whole: false,
             },
         }
@@ -172,7 +172,7 @@ soft = { density_kg_m3 = 1190.0, poisson_ratio = 0.37, shear_modulus_pa = 1e5 }
         assert_eq!(asked.anchored(), 6);
         assert!(asked.assumed().unwrap().contains("fresh runs are of the rig itself"));
         let cheap = Cast::of(Fidelity::Coarse, false, &rig());
-        assert_eq!(cheap.anchored(), 3);
+        assert_eq!(cheap.anchored(), 2);
         assert!(cheap.assumed().unwrap().contains("of the stand-in"));
         assert_eq!(Cast::of(Fidelity::Soft, true, &rig()).anchored(), 0);
     }

@@ -40,7 +40,8 @@ fn close(folder: &std::path::Path, table: &str, jobs: usize) -> Result<Outcome, 
     let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
     let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
     let lab = Laboratory::open(folder, jobs, sampling).unwrap();
-    let mut settings = LoopSettings { runs: Some(38), ..LoopSettings::default() };
+    let mut settings =
+        LoopSettings { runs: Some(38), predict: vec![65.0], ..LoopSettings::default() };
     settings.attribution.bootstrap = 99;
     settings.attribution.stability_bootstrap = 0;
     CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings }.run(&mut |_| ())
@@ -74,6 +75,17 @@ fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
     }
     let again = close(one.path(), IMPOSSIBLE, 1).unwrap();
     assert_eq!(words(&first), words(&again));
+    // A speed between the two is predicted between their values.
+    let own = &first.before.predictions;
+    assert_eq!(own.len(), 4);
+    for p in own {
+        let at = |omega: f64| {
+            let same = |q: &&close_loop::Point| q.omega_rpm == omega && q.response == p.response;
+            first.points.iter().find(same).unwrap().before
+        };
+        let (low, high) = (at(50.0).min(at(80.0)) - 1.5, at(50.0).max(at(80.0)) + 1.5);
+        assert!(p.omega_rpm == 65.0 && p.sd > 0.0 && p.mean > low && p.mean < high, "{p:?}");
+    }
 }
 
 #[test]

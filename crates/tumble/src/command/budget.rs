@@ -17,7 +17,7 @@ const LEAST_SPEEDS: usize = 3;
 const LEAST_PARTICLES: usize = 300;
 
 /// Time that no machine undercuts by much for one step of one sphere, s.
-const LEAST_COST_S: f64 = 60e-9;
+const LEAST_COST_S: f64 = 80e-9;
 
 /// Runs that the smallest plans have about.
 const LEAST_RUNS: f64 = 30.0;

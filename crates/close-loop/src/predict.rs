@@ -1,0 +1,58 @@
+//! What confirmed models say of speeds that nobody measured.
+
+use campaign::{Run, SpeedRow};
+use rig_schema::Response;
+
+use crate::emulator::{Emulator, Shift};
+use crate::outcome::Prediction;
+use crate::plan::Setup;
+use crate::speeds::weights;
+
+/// Rows of the speeds to predict, run by run, in the order in which they are asked for; speeds that nobody measured are taken
+/// out of the runs.
+pub(crate) fn predicted_rows(runs: &mut [Run], setup: &Setup) -> Vec<Vec<SpeedRow>> {
+    runs.iter_mut()
+        .map(|run| {
+            let find = |omega: &f64| run.speeds.iter().find(|s| s.omega_rpm == *omega).cloned();
+            let own = setup.predict.iter().filter_map(find).collect();
+            run.speeds.retain(|s| setup.knots.contains(&s.omega_rpm));
+            own
+        })
+        .collect()
+}
+
+/// Means over fresh runs at the speeds to predict, with the standard deviation of a drum filled anew; `nuisance` is what nuisances
+/// add to a response.
+pub(crate) fn predictions(
+    runs: &[Vec<SpeedRow>],
+    setup: &Setup,
+    base: &Emulator,
+    bias: Option<&[Shift]>,
+    nuisance: &dyn Fn(Response, f64) -> f64,
+) -> Vec<Prediction> {
+    let n = runs.len() as f64;
+    let shift = base.shift();
+    let mut all = Vec::new();
+    for (k, omega) in setup.predict.iter().enumerate() {
+        let rows: Vec<&SpeedRow> = runs.iter().filter_map(|r| r.get(k)).collect();
+        let w = weights(&setup.knots, *omega);
+        for response in Response::ALL {
+            let r = response.index();
+            let mut mean = rows.iter().map(|s| s.mean[r]).sum::<f64>() / n;
+            let frames = rows.iter().map(|s| s.covariance[r][r]).sum::<f64>() / (n * n);
+            let mut variance = frames + shift[r].powi(2) * (1.0 + 1.0 / n);
+            for (w, (b, c)) in w.iter().zip(bias.unwrap_or_default()) {
+                mean += w * b[r];
+                variance += w * w * c[r][r];
+            }
+            mean += nuisance(response, mean);
+            all.push(Prediction {
+                omega_rpm: *omega,
+                response: response.column(),
+                mean,
+                sd: variance.sqrt(),
+            });
+        }
+    }
+    all
+}
