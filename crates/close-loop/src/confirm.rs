@@ -12,7 +12,7 @@ use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::outcome::{Errors, Outcome, Side, StrengthOf};
+use crate::outcome::{Errors, OffBy, Outcome, Side, StrengthOf};
 use crate::predict::{predicted_rows, predictions};
 use crate::process::Local;
 use crate::runs::{rig_with_all, sample};
@@ -148,6 +148,7 @@ pub(crate) fn outcome(
         points,
         speeds_rpm: state.setup.knots.clone(),
         inflation: base.inflation(),
+        off_by: off_by(state, &base),
         effort: state.effort,
         runs: state.runs.made,
         cost_s: state.runs.cost_s,
@@ -158,6 +159,22 @@ pub(crate) fn outcome(
         finding,
     };
     Ok((outcome, learned))
+}
+
+/// What the stand-in was shifted by.
+fn off_by(state: &State<'_>, base: &Emulator) -> Vec<OffBy> {
+    if state.bias.is_none() {
+        return Vec::new();
+    }
+    let each = state.setup.knots.iter().zip(base.bias());
+    each.flat_map(|(omega, (mean, covariance))| {
+        Response::ALL.map(|response| {
+            let r = response.index();
+            let sd = covariance[r][r].max(0.0).sqrt();
+            OffBy { omega_rpm: *omega, response: response.column(), mean: mean[r], sd }
+        })
+    })
+    .collect()
 }
 
 /// Every sample: which effects, and where.

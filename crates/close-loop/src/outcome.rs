@@ -69,6 +69,19 @@ pub struct Prediction {
     pub sd: f64,
 }
 
+/// What the rig shows beyond its coarse stand-in.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OffBy {
+    /// Speed, rpm.
+    pub omega_rpm: f64,
+    /// Column of the response.
+    pub response: &'static str,
+    /// Added to the stand-in, deg or percent of R.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+}
+
 /// One confirmed model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Side {
@@ -137,6 +150,8 @@ pub struct Outcome {
     pub speeds_rpm: Vec<f64>,
     /// Variance of runs over that of their frames.
     pub inflation: f64,
+    /// What was added to a coarse stand-in; empty where the rig itself was simulated.
+    pub off_by: Vec<OffBy>,
     /// How runs were spent.
     pub effort: Effort,
     /// Runs simulated or read back.

@@ -194,6 +194,7 @@ pub fn close_with_table(
         points: compare::points(&items, fitted, &values, last_values),
         speeds_rpm: Vec::new(),
         inflation: 1.0,
+        off_by: Vec::new(),
         effort: Effort::nothing(),
         runs: 0,
         cost_s: 0.0,

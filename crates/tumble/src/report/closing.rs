@@ -57,6 +57,10 @@ fn list(values: &[f64]) -> String {
 }
 
 /// A number with as many digits as it deserves.
+fn plus_minus(mean: f64, sd: f64) -> String {
+    format!("{mean:.2} ± {sd:.2}")
+}
+
 fn short(v: f64) -> String {
     match v.abs() {
         a if a >= 1000.0 => format!("{v:.0}"),
@@ -158,23 +162,26 @@ fn predictions(o: &Outcome) -> Option<Section> {
         .flat_map(|side| side.predictions.chunks(4).map(move |four| (side, four)))
         .map(|(side, four)| {
             let own = [model(side), short(four[0].omega_rpm)];
-            let values = four.iter().map(|p| format!("{:.2} ± {:.2}", p.mean, p.sd));
+            let values = four.iter().map(|p| plus_minus(p.mean, p.sd));
             Row::new(own.into_iter().chain(values).collect::<Vec<_>>())
         })
         .collect();
     if rows.is_empty() {
         return None;
     }
-    let columns = [Column::text("model"), Column::number("speed", "rpm")]
-        .into_iter()
-        .chain(Response::ALL.map(|r| Column::number(r.column(), unit(r.column()))))
-        .collect();
+    let columns = with_responses(&[Column::text("model"), Column::number("speed", "rpm")]);
     Some(Section::new("Predictions").with(Block::Table(Table {
         caption:
             "Means of fresh runs, with one standard deviation of a drum filled anew".to_owned(),
         columns,
         rows,
     })))
+}
+
+/// Columns, and one for each response.
+fn with_responses(first: &[Column]) -> Vec<Column> {
+    let responses = Response::ALL.map(|r| Column::number(r.column(), unit(r.column())));
+    first.iter().cloned().chain(responses).collect()
 }
 
 fn curves(o: &Outcome) -> Section {
@@ -374,6 +381,18 @@ fn stability(o: &Outcome) -> Section {
 
 fn assumed(o: &Outcome) -> Section {
     let mut section = Section::new("What was assumed").with(Block::List(o.assumed.clone()));
+    if !o.off_by.is_empty() {
+        let rows = o.off_by.chunks(4).map(|four| {
+            let own = std::iter::once(short(four[0].omega_rpm));
+            Row::new(own.chain(four.iter().map(|b| plus_minus(b.mean, b.sd))).collect::<Vec<_>>())
+        });
+        section.blocks.push(Block::Table(Table {
+            caption: "Added to the stand-in: what runs of the rig show beyond it, with a standard deviation"
+                .to_owned(),
+            columns: with_responses(&[Column::number("speed", "rpm")]),
+            rows: rows.collect(),
+        }));
+    }
     if !o.failed.is_empty() {
         let all = o.failed.iter().map(|(what, why)| format!("{what}: {why}")).collect();
         section.blocks.push(Block::Folded("Runs that failed".to_owned(), vec![Block::List(all)]));
