@@ -37,14 +37,17 @@ impl Default for Coarsening {
     }
 }
 
-/// Sizes among which [`Coarsening::for_particles`] chooses.
-const SIZES: [f64; 7] = [1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0];
+/// Steps of size in [`Coarsening::until`], and where they end.
+const STEP: f64 = 0.25;
+const COARSEST: f64 = 3.0;
 /// Radius of the drum over the diameter of the larger particles, at least.
 const LEAST_RADIUS: f64 = 10.0;
 
 impl Coarsening {
-    /// The finest stand-in with at most `particles`, or the coarsest that leaves ten diameters to the drum's radius.
-    pub fn for_particles(rig: &Rig, particles: usize) -> Self {
+    /// This one or the first coarser one (up to three times the size) with at most `particles`, or the coarsest that leaves ten diameters
+    /// to the drum's radius.
+    #[must_use]
+    pub fn until(self, rig: &Rig, particles: usize) -> Self {
         let volume = particle_volume(rig);
         let full = match rig.settings.value("fill.count") {
             Some(count) => count,
@@ -57,20 +60,17 @@ impl Coarsening {
                 rig.settings.value("fill.mass_kg").unwrap_or(f64::NAN) / each
             }
         };
-        let mut best = Self::default();
-        for size in SIZES {
-            let by = Self { size, ..best };
-            let diameter = size * diameter(rig);
-            if size > SIZES[0] && rig.drum.radius_m < LEAST_RADIUS * diameter {
-                break;
+        let mut by = self;
+        loop {
+            let share = (by.diameters * by.size * diameter(rig) / rig.drum.length_m).min(1.0);
+            let next = Self { size: by.size + STEP, ..by };
+            let fits = full * share / by.size.powi(3) <= particles as f64;
+            let room = rig.drum.radius_m >= LEAST_RADIUS * next.size * diameter(rig);
+            if fits || next.size > COARSEST || !room {
+                return by;
             }
-            best = by;
-            let share = (by.diameters * diameter / rig.drum.length_m).min(1.0);
-            if full * share / size.powi(3) <= particles as f64 {
-                break;
-            }
+            by = next;
         }
-        best
     }
 
     /// Whether the drum is cut to a slice, and so loses its ends.

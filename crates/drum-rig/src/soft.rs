@@ -4,19 +4,24 @@
 //! stay small. So elastic moduli are lowered until a bed as deep as the drum's radius presses its
 //! lowest particles together by a stated share of their diameter.
 //!
+//! A collision at a given speed ends later in softer particles, but by less than the Rayleigh time grows (powers 2/5 and 1/2 of
+//! compliance), so that a long step, stable before, would not be after: the solver's own is the limit then.
+//!
 //! By Hertz, two spheres of diameter `d` pressed by `p d^2` overlap by `d (9/4)^(1/3) (p/E*)^(2/3)`; here `p = density g R`,
 //! and `E* = G/(1 - nu)` of two spheres of one material. What is changed along:
 //!
 //! | quantity | change | what stays the same |
 //! |---|---|---|
 //! | shear modulus of every material | lowered where above the limit | Poisson's ratio, restitution |
-//! | time step, where given | root of the particles' change | share of the Rayleigh time |
+//! | time step, where given | root of the particles' change, at most the solver's own | share of the Rayleigh time |
 //! | cohesion energy density | two thirds power of the particles' change | pull over weight at a given load |
 
-use rig_schema::Rig;
+use rig_schema::{Rig, Run};
 
 use crate::GRAVITY;
 use crate::error::Error;
+use crate::options::Options;
+use crate::outline::outline;
 
 /// The rig with moduli as low as an overlap of `overlap` diameters allows; one that is softer already comes back as it is.
 ///
@@ -40,7 +45,7 @@ use crate::error::Error;
 ///
 /// # Errors
 /// [`Error::Option`] for an overlap outside 0 to 0.1, [`Error::UnknownMaterial`] if the particles' material is not described,
-/// [`Error::Range`] when a scaled parameter leaves its range.
+/// [`Error::Range`] when a scaled parameter leaves its range, those of [`outline`] where a time step is given.
 pub fn soft(rig: &Rig, overlap: f64) -> Result<Rig, Error> {
     if !(overlap > 0.0 && overlap <= 0.1) {
         return Err(Error::Option {
@@ -61,7 +66,14 @@ pub fn soft(rig: &Rig, overlap: f64) -> Result<Rig, Error> {
     }
     let now = soft.materials.get(&rig.particles.material).ok_or_else(unknown)?;
     let change = now.shear_modulus_pa / own.shear_modulus_pa;
-    soft.run.time_step_s = rig.run.time_step_s.map(|dt| dt / change.sqrt());
+    if let Some(dt) = rig.run.time_step_s
+        && change < 1.0
+    {
+        let scaled = dt / change.sqrt();
+        let own = Rig { run: Run { time_step_s: None, ..soft.run.clone() }, ..soft.clone() };
+        let limit = outline(&own, &Options::default())?.time_step_s;
+        soft.run.time_step_s = Some(scaled.min(limit));
+    }
     const ENERGY: &str = "cohesion.energy_density_j_m3";
     if let Some(energy) = rig.settings.given(ENERGY) {
         let value = energy * change.powf(2.0 / 3.0);
