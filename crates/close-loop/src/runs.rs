@@ -50,7 +50,9 @@ impl<'a> Runs<'a> {
         let whole = stage == Stage::Full || stage == Stage::Confirm && self.cast.confirm_whole;
         let stand_in = if whole { self.cast.whole } else { Some(self.cast.everyday) };
         let stand_in = stand_in.unwrap_or(StandIn::NONE);
-        let list = rigs.iter().map(|(_, rig)| stand_in.of(rig)).collect::<Result<Vec<Rig>, _>>()?;
+        // A stand-in that cannot be described is a run that failed.
+        let described: Vec<_> = rigs.iter().map(|(_, rig)| stand_in.of(rig)).collect();
+        let list: Vec<Rig> = described.iter().filter_map(|r| r.as_ref().ok().cloned()).collect();
         let (mut done, of) = (0, list.len());
         let made = self.made;
         // Filming a motion again is no run.
@@ -63,7 +65,17 @@ impl<'a> Runs<'a> {
         });
         self.made += counts * of;
         let mut runs = Vec::new();
-        for (result, (label, _)) in results.into_iter().zip(rigs) {
+        let mut results = results.into_iter();
+        for (rig, (label, _)) in described.into_iter().zip(rigs) {
+            let result = match rig {
+                Ok(_) => results.next(),
+                Err(e) => {
+                    self.failed.push((label.clone(), chain(&e)));
+                    runs.push(None);
+                    continue;
+                }
+            };
+            let Some(result) = result else { break };
             match result {
                 Ok(run) => {
                     self.cost_s += run.cost_s;
