@@ -237,7 +237,7 @@ fn print(outcome: &Outcome, printed: &Printed<'_>) {
             println!("  {:.1} rpm by {model}: {}", four[0].omega_rpm, each.join(", "));
         }
     }
-    if let Some(removed) = outcome.removed {
+    if let Some(removed) = outcome.removed.filter(|_| outcome.confirmed != Some(false)) {
         println!("{:.0} % of the error above the noise goes away", 100.0 * removed);
     }
     println!("{} runs, {:.0} s; report: {}", printed.runs, printed.wall_s, printed.report);

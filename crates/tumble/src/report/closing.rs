@@ -140,7 +140,7 @@ fn errors(o: &Outcome) -> Section {
             facts.push(chi(&format!("With {} instead", model(other)), other));
         }
     }
-    if let Some(removed) = o.removed {
+    if let Some(removed) = o.removed.filter(|_| o.confirmed != Some(false)) {
         facts.push(format!(
             "{:.0} % of the mean square error above the noise goes away.",
             100.0 * removed
