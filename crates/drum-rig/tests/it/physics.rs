@@ -224,3 +224,19 @@ fn a_stand_in_is_as_fine_as_a_number_of_particles_allows() {
     rig.drum.radius_m = 0.028;
     assert_eq!(Coarsening::default().until(&rig, 100).size, 2.25);
 }
+
+#[test]
+fn much_damped_and_cohesive_grains_take_shorter_steps_of_their_own() {
+    let step = |restitution: f64, cohesive: bool| {
+        let mut rig = with(&small(100), &[("restitution.pp", restitution)]);
+        rig.run.time_step_s = None;
+        if cohesive {
+            rig.contact.cohesion = drum_rig::rig_schema::Cohesion::SimplifiedJkr;
+        }
+        drum_rig::outline(&rig, &Options::default()).unwrap().time_step_s
+    };
+    // Damping ratios of restitution 0.9, 0.5 and 0.15: 0.034, 0.215 and 0.517.
+    assert_eq!(step(0.9, false), step(0.5, false));
+    assert!((step(0.15, false) / step(0.9, false) - 0.25 / 0.517).abs() < 1e-3);
+    assert!((step(0.9, true) / step(0.9, false) - 0.7).abs() < 1e-12);
+}
