@@ -152,31 +152,27 @@ impl Catalogue {
     #[must_use]
     pub fn without(mut self, names: &[String]) -> Self {
         let gone = |path: &str| names.iter().any(|n| stands_for(n, path));
-        for e in self.effects.iter().filter(|e| gone(&e.path)) {
-            self.left_out.push((e.path.clone(), "the case leaves it out".to_owned()));
-        }
-        self.effects.retain(|e| !gone(&e.path));
+        self.leave_out(gone, "the case leaves it out");
         self
     }
 
     /// Leave out what a stand-in without end plates cannot show.
     pub(crate) fn leave_out_ends(&mut self) {
         let gone = |path: &str| path.ends_with("end_plate") || path == "axis.inclination_deg";
-        for e in self.effects.iter().filter(|e| gone(&e.path)) {
-            self.left_out
-                .push((e.path.clone(), "the coarse stand-in has periodic ends".to_owned()));
+        self.leave_out(gone, "the coarse stand-in has periodic ends");
+    }
+
+    fn leave_out(&mut self, gone: impl Fn(&str) -> bool, why: &str) {
+        for e in self.effects.extract_if(.., |e| gone(&e.path)) {
+            self.left_out.push((e.path, why.to_owned()));
         }
-        self.effects.retain(|e| !gone(&e.path));
     }
 
     /// Keep only the named effects.
     #[must_use]
     pub fn only(mut self, names: &[String]) -> Self {
-        let kept = |path: &str| names.iter().any(|n| stands_for(n, path));
-        for e in self.effects.iter().filter(|e| !kept(&e.path)) {
-            self.left_out.push((e.path.clone(), "the case does not ask for it".to_owned()));
-        }
-        self.effects.retain(|e| kept(&e.path));
+        let gone = |path: &str| !names.iter().any(|n| stands_for(n, path));
+        self.leave_out(gone, "the case does not ask for it");
         self
     }
 

@@ -12,7 +12,7 @@ use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::outcome::{Errors, OffBy, Outcome, Side, StrengthOf};
+use crate::outcome::{Errors, Outcome, Side, SpeedResponse, StrengthOf};
 use crate::predict::{predicted_rows, predictions};
 use crate::process::Local;
 use crate::runs::{rig_with_all, sample};
@@ -162,7 +162,7 @@ pub(crate) fn outcome(
 }
 
 /// What the stand-in was shifted by.
-fn off_by(state: &State<'_>, base: &Emulator) -> Vec<OffBy> {
+fn off_by(state: &State<'_>, base: &Emulator) -> Vec<SpeedResponse> {
     if state.bias.is_none() {
         return Vec::new();
     }
@@ -171,7 +171,7 @@ fn off_by(state: &State<'_>, base: &Emulator) -> Vec<OffBy> {
         Response::ALL.map(|response| {
             let r = response.index();
             let sd = covariance[r][r].max(0.0).sqrt();
-            OffBy { omega_rpm: *omega, response: response.column(), mean: mean[r], sd }
+            SpeedResponse { omega_rpm: *omega, response: response.column(), mean: mean[r], sd }
         })
     })
     .collect()
@@ -279,10 +279,15 @@ fn fresh(
             n.sd * n.sd * pull
         })
         .collect();
+    // What nuisances at their estimates add to a response.
+    let nuisance = |r: Response, mean: f64| -> f64 {
+        let each = nuisances.iter().zip(&estimate);
+        each.map(|(n, e)| n.slope(r, mean) * (n.departure(n.mean) + e)).sum()
+    };
     let points: Values = (0..items.len())
         .map(|i| {
-            let moved: f64 = nuisances.iter().zip(&estimate).map(|(n, e)| slope(n, i) * e).sum();
-            (predicted.mean[place[i]] + offset(i) + moved, noise(i, i).max(0.0).sqrt())
+            let moved = nuisance(items[i].response, items[i].mean);
+            (predicted.mean[place[i]] + moved, noise(i, i).max(0.0).sqrt())
         })
         .collect();
     let errors = Errors {
@@ -292,10 +297,6 @@ fn fresh(
         dof,
         p: chi_square_p(chi2, dof),
         p_all,
-    };
-    let nuisance = |r: Response, mean: f64| -> f64 {
-        let each = nuisances.iter().zip(&estimate);
-        each.map(|(n, e)| n.slope(r, mean) * (n.departure(n.mean) + e)).sum()
     };
     let bias = (!cast.confirm_whole).then(|| base.bias());
     let predictions = predictions(&asked, &state.setup, base, bias, &nuisance);

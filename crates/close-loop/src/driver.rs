@@ -55,6 +55,15 @@ pub struct Told {
     pub cost_s: Option<f64>,
 }
 
+/// What a loop simulates, as it is simulated.
+#[derive(Debug, Clone)]
+pub struct Pilot {
+    /// The rig of every planned run, or what stands in for it.
+    pub rig: Rig,
+    /// What a stand-in is shifted to agree with, and how many runs of it are made beside those of the plan.
+    pub whole: Option<(Rig, usize)>,
+}
+
 /// A loop to be closed.
 #[derive(Debug, Clone, Copy)]
 pub struct CloseLoop<'a> {
@@ -96,23 +105,17 @@ pub(crate) struct State<'a> {
 }
 
 impl CloseLoop<'_> {
-    /// Rig of one run at the middle of the free ranges, as it is simulated, to see what a run costs.
+    /// Runs at the middle of the free ranges, to see what they cost.
     ///
     /// # Errors
     /// Those of a case that cannot be simulated.
-    pub fn pilot(&self) -> Result<Rig, CloseLoopError> {
+    pub fn pilot(&self) -> Result<Pilot, CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
-        Ok(setup.cast.everyday.of(&setup.middle()?)?)
-    }
-
-    /// The whole rig that the pilot stands in for, and how many runs of it the loop makes beside those of the plan.
-    ///
-    /// # Errors
-    /// As [`CloseLoop::pilot`].
-    pub fn anchor_of_pilot(&self) -> Result<Option<(Rig, usize)>, CloseLoopError> {
-        let setup = Setup::new(self.case, self.measured, self.settings)?;
-        let Some(whole) = setup.cast.whole else { return Ok(None) };
-        Ok(Some((whole.of(&setup.middle()?)?, setup.cast.anchored())))
+        let middle = setup.middle()?;
+        let rig = setup.cast.everyday.of(&middle)?;
+        let anchors = setup.cast.anchored();
+        let whole = setup.cast.whole.map(|w| w.of(&middle)).transpose()?;
+        Ok(Pilot { rig, whole: whole.map(|w| (w, anchors)) })
     }
 
     /// Runs of the plan, at most.

@@ -31,10 +31,10 @@ mod table;
 
 pub use catalogue::{Catalogue, Effect, Needs};
 pub use curve::{Change, Curve};
-pub use driver::{CloseLoop, Stage, Told};
+pub use driver::{CloseLoop, Pilot, Stage, Told};
 pub use emulator::{Axis, Emulator, Sample, Shift};
 pub use error::CloseLoopError;
-pub use outcome::{Errors, OffBy, Outcome, Point, Prediction, ResponseErrors, Side, StrengthOf};
+pub use outcome::{Errors, Outcome, Point, ResponseErrors, Side, SpeedResponse, StrengthOf};
 pub use plan::{Effort, LoopSettings};
 pub use scale::Scale;
 pub use stand_in::Fidelity;

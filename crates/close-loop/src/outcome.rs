@@ -56,27 +56,14 @@ pub struct Errors {
     pub p_all: f64,
 }
 
-/// What a confirmed model says of a speed that was asked for.
+/// A response at a speed, with what it is uncertain by.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Prediction {
+pub struct SpeedResponse {
     /// Speed, rpm.
     pub omega_rpm: f64,
     /// Column of the response.
     pub response: &'static str,
-    /// Mean over fresh runs, deg or percent of R, nuisances at their estimates.
-    pub mean: f64,
-    /// Standard deviation of a drum filled anew about it, without that of its frames.
-    pub sd: f64,
-}
-
-/// What the rig shows beyond its coarse stand-in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct OffBy {
-    /// Speed, rpm.
-    pub omega_rpm: f64,
-    /// Column of the response.
-    pub response: &'static str,
-    /// Added to the stand-in, deg or percent of R.
+    /// Value, deg or percent of R.
     pub mean: f64,
     /// Its standard deviation.
     pub sd: f64,
@@ -93,8 +80,9 @@ pub struct Side {
     pub fillings: usize,
     /// Errors of the fresh runs.
     pub errors: Errors,
-    /// Responses at the speeds that were asked for.
-    pub predictions: Vec<Prediction>,
+    /// Responses at the speeds that were asked for: means over fresh runs, nuisances at their estimates, with the standard deviation of a
+    /// drum filled anew, without that of its frames.
+    pub predictions: Vec<SpeedResponse>,
 }
 
 /// Strength of a named effect.
@@ -150,8 +138,8 @@ pub struct Outcome {
     pub speeds_rpm: Vec<f64>,
     /// Variance of runs over that of their frames.
     pub inflation: f64,
-    /// What was added to a coarse stand-in; empty where the rig itself was simulated.
-    pub off_by: Vec<OffBy>,
+    /// What the rig shows beyond its coarse stand-in, and was added to that; empty where the rig itself was simulated.
+    pub off_by: Vec<SpeedResponse>,
     /// How runs were spent.
     pub effort: Effort,
     /// Runs simulated or read back.
@@ -167,4 +155,12 @@ pub struct Outcome {
     pub left_out: Vec<(String, String)>,
     /// What was assumed, in sentences.
     pub assumed: Vec<String>,
+}
+
+impl Outcome {
+    /// The models of the fresh runs: the calibrated one, the winner where there is one, and the rest of its class.
+    pub fn models(&self) -> impl Iterator<Item = &Side> {
+        let winner = self.after.effect.is_some().then_some(&self.after);
+        std::iter::once(&self.before).chain(winner).chain(&self.others)
+    }
 }

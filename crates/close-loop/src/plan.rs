@@ -179,7 +179,7 @@ impl Setup {
         let knots = knots(&all, settings.most_speeds);
         let mut rig = case.rig.clone();
         rig.run.speeds_rpm.clone_from(&knots);
-        let cast = Cast::of(settings.fidelity, stand_in, &rig);
+        let cast = Cast::of(settings.fidelity, stand_in, &rig)?;
         // Refused now rather than run by run.
         cast.everyday.of(&rig)?;
         let mut free = Vec::new();

@@ -4,7 +4,7 @@ use campaign::{Run, SpeedRow};
 use rig_schema::Response;
 
 use crate::emulator::{Emulator, Shift};
-use crate::outcome::Prediction;
+use crate::outcome::SpeedResponse;
 use crate::plan::Setup;
 use crate::speeds::weights;
 
@@ -29,7 +29,7 @@ pub(crate) fn predictions(
     base: &Emulator,
     bias: Option<&[Shift]>,
     nuisance: &dyn Fn(Response, f64) -> f64,
-) -> Vec<Prediction> {
+) -> Vec<SpeedResponse> {
     let n = runs.len() as f64;
     let shift = base.shift();
     let mut all = Vec::new();
@@ -46,7 +46,7 @@ pub(crate) fn predictions(
                 variance += w * w * c[r][r];
             }
             mean += nuisance(response, mean);
-            all.push(Prediction {
+            all.push(SpeedResponse {
                 omega_rpm: *omega,
                 response: response.column(),
                 mean,

@@ -68,14 +68,10 @@ impl<'a> Runs<'a> {
         let mut results = results.into_iter();
         for (rig, (label, _)) in described.into_iter().zip(rigs) {
             let result = match rig {
-                Ok(_) => results.next(),
-                Err(e) => {
-                    self.failed.push((label.clone(), chain(&e)));
-                    runs.push(None);
-                    continue;
-                }
+                // One result for each rig that was described.
+                Ok(_) => results.next().ok_or(CampaignError::Stopped).flatten(),
+                Err(e) => Err(e.into()),
             };
-            let Some(result) = result else { break };
             match result {
                 Ok(run) => {
                     self.cost_s += run.cost_s;

@@ -41,14 +41,14 @@ impl StandIn {
     pub(crate) const SOFT: Self = Self { soft: true, coarse: None };
 
     /// Softer and larger particles.
-    fn coarse(rig: &Rig) -> Self {
-        Self { soft: true, coarse: Some(Coarsening::default().until(rig, PARTICLES)) }
+    fn coarse(rig: &Rig) -> Result<Self, drum_rig::Error> {
+        Ok(Self { soft: true, coarse: Some(Coarsening::default().until(rig, PARTICLES)?) })
     }
 
     /// Softer particles, and larger ones in the whole drum where there are very many.
-    fn finer(rig: &Rig) -> Self {
-        let by = Coarsening { size: 1.0, diameters: 1e9 }.until(rig, ANCHORED);
-        Self { soft: true, coarse: (by.size > 1.0).then_some(by) }
+    fn finer(rig: &Rig) -> Result<Self, drum_rig::Error> {
+        let by = Coarsening { size: 1.0, diameters: 1e9 }.until(rig, ANCHORED)?;
+        Ok(Self { soft: true, coarse: (by.size > 1.0).then_some(by) })
     }
 
     /// What is simulated for a rig, effects included: strengths are those of the rig, and are scaled with it.
@@ -75,25 +75,29 @@ pub(crate) struct Cast {
 }
 
 impl Cast {
-    pub(crate) fn of(fidelity: Fidelity, asks_coarse: bool, rig: &Rig) -> Self {
+    pub(crate) fn of(
+        fidelity: Fidelity,
+        asks_coarse: bool,
+        rig: &Rig,
+    ) -> Result<Self, drum_rig::Error> {
         let alone =
             |everyday| Self { everyday, whole: None, anchors: [0; 3], confirm_whole: false };
-        match fidelity {
+        Ok(match fidelity {
             Fidelity::Case if !asks_coarse => alone(StandIn::NONE),
             Fidelity::Case => Self {
-                everyday: StandIn::coarse(rig),
+                everyday: StandIn::coarse(rig)?,
                 whole: Some(StandIn::NONE),
                 anchors: [2, 2, 2],
                 confirm_whole: true,
             },
             Fidelity::Soft => alone(StandIn::SOFT),
             Fidelity::Coarse => Self {
-                everyday: StandIn::coarse(rig),
-                whole: Some(StandIn::finer(rig)),
+                everyday: StandIn::coarse(rig)?,
+                whole: Some(StandIn::finer(rig)?),
                 anchors: [1, 0, 1],
                 confirm_whole: false,
             },
-        }
+        })
     }
 
     /// Runs of the whole rig to anchor the stand-in.
@@ -177,7 +181,7 @@ soft = { density_kg_m3 = 1190.0, poisson_ratio = 0.37, shear_modulus_pa = 1e5 }
         // Under one load overlaps, and with them contact areas, grow by 21.9^(2/3).
         let energy = |r: &Rig| r.settings.value("cohesion.energy_density_j_m3").unwrap();
         assert!((energy(&given) / energy(&soft) - 21.9_f64.powf(2.0 / 3.0)).abs() < 0.05);
-        let coarse = StandIn::coarse(&given).of(&given).unwrap();
+        let coarse = StandIn::coarse(&given).unwrap().of(&given).unwrap();
         // 7807 x 0.56 / 1.75^3 = 816 beads.
         assert!((energy(&coarse) / energy(&soft) - 1.75).abs() < 1e-12);
         assert_eq!(StandIn::NONE.of(&given).unwrap(), given);
@@ -185,13 +189,13 @@ soft = { density_kg_m3 = 1190.0, poisson_ratio = 0.37, shear_modulus_pa = 1e5 }
 
     #[test]
     fn what_stands_in_is_said() {
-        assert_eq!(Cast::of(Fidelity::Case, false, &rig()).assumed(), None);
-        let asked = Cast::of(Fidelity::Case, true, &rig());
+        assert_eq!(Cast::of(Fidelity::Case, false, &rig()).unwrap().assumed(), None);
+        let asked = Cast::of(Fidelity::Case, true, &rig()).unwrap();
         assert_eq!(asked.anchored(), 6);
         assert!(asked.assumed().unwrap().contains("fresh runs are of the rig itself"));
-        let cheap = Cast::of(Fidelity::Coarse, false, &rig());
+        let cheap = Cast::of(Fidelity::Coarse, false, &rig()).unwrap();
         assert_eq!(cheap.anchored(), 2);
         assert!(cheap.assumed().unwrap().contains("of the stand-in"));
-        assert_eq!(Cast::of(Fidelity::Soft, true, &rig()).anchored(), 0);
+        assert_eq!(Cast::of(Fidelity::Soft, true, &rig()).unwrap().anchored(), 0);
     }
 }

@@ -21,6 +21,8 @@
 use rig_schema::{Ends, Rig, Settings, Shape};
 
 use crate::error::Error;
+use crate::options::Options;
+use crate::outline::outline;
 
 /// How coarse a stand-in is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,20 +48,11 @@ const LEAST_RADIUS: f64 = 10.0;
 impl Coarsening {
     /// This one or the first coarser one (up to three times the size) with at most `particles`, or the coarsest that leaves ten diameters
     /// to the drum's radius.
-    #[must_use]
-    pub fn until(self, rig: &Rig, particles: usize) -> Self {
-        let volume = particle_volume(rig);
-        let full = match rig.settings.value("fill.count") {
-            Some(count) => count,
-            None => {
-                let density = rig
-                    .materials
-                    .get(&rig.particles.material)
-                    .map_or(f64::NAN, |m| m.density_kg_m3);
-                let each = rig.particles.mass_kg.unwrap_or(density * volume);
-                rig.settings.value("fill.mass_kg").unwrap_or(f64::NAN) / each
-            }
-        };
+    ///
+    /// # Errors
+    /// Those of [`outline`], which counts the particles.
+    pub fn until(self, rig: &Rig, particles: usize) -> Result<Self, Error> {
+        let full = outline(rig, &Options::default())?.particles as f64;
         let mut by = self;
         loop {
             let share = (by.diameters * by.size * diameter(rig) / rig.drum.length_m).min(1.0);
@@ -67,7 +60,7 @@ impl Coarsening {
             let fits = full * share / by.size.powi(3) <= particles as f64;
             let room = rig.drum.radius_m >= LEAST_RADIUS * next.size * diameter(rig);
             if fits || next.size > COARSEST || !room {
-                return by;
+                return Ok(by);
             }
             by = next;
         }
@@ -85,11 +78,6 @@ fn diameter(rig: &Rig) -> f64 {
         Shape::Sphere(s) => s.diameter_m,
         Shape::RingTablet(r) => 2.0 * (r.sphere_radius_m + r.ring_radius_m),
     }
-}
-
-/// Volume of the sphere about a particle, m3.
-fn particle_volume(rig: &Rig) -> f64 {
-    std::f64::consts::PI / 6.0 * diameter(rig).powi(3)
 }
 
 /// Parameters of end plates, which a periodic slice does not have.
@@ -162,7 +150,7 @@ pub fn coarse(rig: &Rig, by: Coarsening) -> Result<Rig, Error> {
     Ok(coarse)
 }
 
-fn set(settings: &mut Settings, path: &'static str, value: f64) -> Result<(), Error> {
+pub(crate) fn set(settings: &mut Settings, path: &'static str, value: f64) -> Result<(), Error> {
     settings.set(path, value).map_err(|parameter| {
         let (low, high) = parameter.map_or((f64::NAN, f64::NAN), |p| p.range);
         Error::Range { path, value, low, high }

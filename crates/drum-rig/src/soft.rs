@@ -16,9 +16,10 @@
 //! | time step, where given | root of the particles' change, at most the solver's own | share of the Rayleigh time |
 //! | cohesion energy density | two thirds power of the particles' change | pull over weight at a given load |
 
-use rig_schema::{Rig, Run};
+use rig_schema::Rig;
 
 use crate::GRAVITY;
+use crate::coarse::set;
 use crate::error::Error;
 use crate::options::Options;
 use crate::outline::outline;
@@ -70,17 +71,13 @@ pub fn soft(rig: &Rig, overlap: f64) -> Result<Rig, Error> {
         && change < 1.0
     {
         let scaled = dt / change.sqrt();
-        let own = Rig { run: Run { time_step_s: None, ..soft.run.clone() }, ..soft.clone() };
-        let limit = outline(&own, &Options::default())?.time_step_s;
+        soft.run.time_step_s = None;
+        let limit = outline(&soft, &Options::default())?.time_step_s;
         soft.run.time_step_s = Some(scaled.min(limit));
     }
     const ENERGY: &str = "cohesion.energy_density_j_m3";
     if let Some(energy) = rig.settings.given(ENERGY) {
-        let value = energy * change.powf(2.0 / 3.0);
-        soft.settings.set(ENERGY, value).map_err(|parameter| {
-            let (low, high) = parameter.map_or((f64::NAN, f64::NAN), |p| p.range);
-            Error::Range { path: ENERGY, value, low, high }
-        })?;
+        set(&mut soft.settings, ENERGY, energy * change.powf(2.0 / 3.0))?;
     }
     Ok(soft)
 }

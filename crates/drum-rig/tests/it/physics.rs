@@ -213,16 +213,16 @@ fn a_stand_in_is_as_fine_as_a_number_of_particles_allows() {
         s.diameter_m = 0.0012;
     }
     // 30 000 / 2.25^3 = 2634 in the whole length (8 x 2.7 mm is longer), / 2.5^3 = 1920.
-    let by = Coarsening::default().until(&rig, 2000);
+    let by = Coarsening::default().until(&rig, 2000).unwrap();
     assert_eq!(by.size, 2.5);
     assert!(!by.cuts(&rig));
     // Slices of 8 x 1.8 mm hold 30 000 x 0.72 / 1.5^3 = 6400.
-    let fine = Coarsening::default().until(&rig, 7000);
+    let fine = Coarsening::default().until(&rig, 7000).unwrap();
     assert_eq!(fine.size, 1.5);
     assert!(fine.cuts(&rig));
     // Not beyond a tenth of the radius.
     rig.drum.radius_m = 0.028;
-    assert_eq!(Coarsening::default().until(&rig, 100).size, 2.25);
+    assert_eq!(Coarsening::default().until(&rig, 100).unwrap().size, 2.25);
 }
 
 #[test]

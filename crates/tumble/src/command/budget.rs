@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use campaign::Laboratory;
 use campaign::drum_rig::{Options, outline};
-use close_loop::{CloseLoop, CloseLoopError, Fidelity, LoopSettings};
+use close_loop::{CloseLoop, CloseLoopError, Fidelity, LoopSettings, Pilot};
 use rig_schema::{Case, MeasuredTable, Rig};
 
 /// Share of a budget that runs may take; the rest is statistics.
@@ -43,7 +43,13 @@ fn work(rig: &Rig) -> Result<(f64, usize), CloseLoopError> {
     Ok((spheres * outline.least_steps as f64, outline.particles))
 }
 
-/// Ways to simulate the case, the nearest to the rig first. What saves less than a third is none.
+/// The same of all runs that anchor a stand-in.
+fn work_of_anchors(pilot: &Pilot) -> Result<f64, CloseLoopError> {
+    let Some((whole, runs)) = &pilot.whole else { return Ok(0.0) };
+    Ok(*runs as f64 * work(whole)?.0)
+}
+
+/// Ways to simulate the case, the nearest to the rig first: itself, and what saves at least a third.
 fn ways(
     case: &Case,
     measured: &MeasuredTable,
@@ -60,17 +66,14 @@ fn ways(
             Err(_) => continue,
             Ok(pilot) => pilot,
         };
-        let (own, particles) = work(&pilot)?;
+        let (own, particles) = work(&pilot.rig)?;
         if fidelity == Fidelity::Coarse && particles < LEAST_PARTICLES {
             continue;
         }
-        let anchors = match this.anchor_of_pilot()? {
-            Some((whole, runs)) => runs as f64 * work(&whole)?.0,
-            None => 0.0,
-        };
+        let anchors = work_of_anchors(&pilot)?;
         let least = |work: f64, anchors: f64| LEAST_RUNS * work + anchors;
         if ways.iter().all(|w| least(own, anchors) < least(w.work, w.anchors) / 1.5) {
-            ways.push(Way { fidelity, work: own, anchors, pilot });
+            ways.push(Way { fidelity, work: own, anchors, pilot: pilot.rig });
         }
     }
     Ok(ways)
@@ -90,9 +93,9 @@ pub(super) fn fit(
     let time = SIMULATING * budget.as_secs_f64() * jobs as f64;
     // A pilot of what no plan could pay for would only spend the budget.
     let hopeless = |w: &Way| LEAST_RUNS * w.work * LEAST_COST_S > time;
-    let Some(first) = ways.iter().find(|w| !hopeless(w)).or(ways.last()) else {
-        anyhow::bail!("the case has nothing to simulate");
-    };
+    let from = ways.iter().position(|w| !hopeless(w)).unwrap_or(ways.len() - 1);
+    let ways = &ways[from..];
+    let first = &ways[0];
     eprintln!("a pilot run tells what a run costs");
     // Its cost is kept with it, so that a loop that goes on has the same number of runs.
     let pilot = lab.run(std::slice::from_ref(&first.pilot), |_| ()).remove(0)?;
@@ -101,7 +104,7 @@ pub(super) fn fit(
     let mut shortest: Option<f64> = None;
     for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
         let share = speeds as f64 / simulated as f64;
-        for way in ways.iter().filter(|w| !hopeless(w) || w.work <= first.work) {
+        for way in ways {
             let each = (way.work * rate * share).max(1e-3);
             let anchors = way.anchors * rate * share;
             settings.fidelity = way.fidelity;
@@ -133,10 +136,8 @@ pub(super) fn expected(
     runs: usize,
     jobs: usize,
 ) -> Result<f64, CloseLoopError> {
-    let mut all = runs as f64 * work(&this.pilot()?)?.0;
-    if let Some((whole, anchors)) = this.anchor_of_pilot()? {
-        all += anchors as f64 * work(&whole)?.0;
-    }
+    let pilot = this.pilot()?;
+    let all = runs as f64 * work(&pilot.rig)?.0 + work_of_anchors(&pilot)?;
     Ok(all * USUAL_COST_S / jobs as f64)
 }
 

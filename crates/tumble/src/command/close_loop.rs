@@ -224,10 +224,7 @@ fn print(outcome: &Outcome, printed: &Printed<'_>) {
             );
         }
     }
-    for side in std::iter::once(&outcome.before)
-        .chain(outcome.after.effect.is_some().then_some(&outcome.after))
-        .chain(&outcome.others)
-    {
+    for side in outcome.models() {
         for four in side.predictions.chunks(4) {
             let model = side.effect.as_deref().unwrap_or("the calibrated model");
             let each: Vec<String> = four

@@ -155,10 +155,8 @@ fn errors(o: &Outcome) -> Section {
 
 /// What the confirmed models say of speeds that were asked for.
 fn predictions(o: &Outcome) -> Option<Section> {
-    let models = std::iter::once(&o.before)
-        .chain(o.after.effect.is_some().then_some(&o.after))
-        .chain(&o.others);
-    let rows: Vec<Row> = models
+    let rows: Vec<Row> = o
+        .models()
         .flat_map(|side| side.predictions.chunks(4).map(move |four| (side, four)))
         .map(|(side, four)| {
             let own = [model(side), short(four[0].omega_rpm)];
