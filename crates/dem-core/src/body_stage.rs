@@ -303,7 +303,8 @@ impl Drift<'_> {
                 d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
             }
             let moved = (position - (x * r.x + y * r.y + z * r.z + shift)).length_squared();
-            moved_far |= moved > self.limit || moved.is_nan();
+            // Also if it is no number.
+            moved_far |= !(moved <= self.limit);
         }
         moved_far
     }

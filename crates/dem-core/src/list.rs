@@ -52,8 +52,15 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         // The old list is only read for what its contacts remember: one such index is enough.
         std::mem::swap(&mut state.pairs.by_second, &mut s.old_pairs.by_second);
         std::mem::swap(&mut state.pairs.second_start, &mut s.old_pairs.second_start);
-        let old_place = sorted.then_some(&s.old_sphere_place[..]);
-        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, old_place);
+        if sorted {
+            s.new_sphere_place.clear();
+            s.new_sphere_place.resize(s.old_sphere_place.len(), 0);
+            for (new, &old) in s.old_sphere_place.iter().enumerate() {
+                s.new_sphere_place[old as usize] = new as u32;
+            }
+        }
+        let new_place = sorted.then_some(&s.new_sphere_place[..]);
+        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, new_place);
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         state.list.reference.clone_from(&state.bodies.position);
@@ -286,41 +293,109 @@ struct Search<'a> {
     level: Level,
 }
 
+/// Candidates of a body that are kept before they are looked at.
+const CANDIDATES: usize = 512;
+
+/// Marks a candidate that counts as touching.
+const TOUCHES: u32 = 1 << 31;
+
+/// Places of the set bits among eight, the lowest first; the rest is of no account.
+const SET_BITS: [[u8; LANES]; 256] = {
+    let (mut table, mut bits) = ([[0; LANES]; 256], 0);
+    while bits < 256 {
+        let (mut lane, mut set) = (0, 0);
+        while lane < LANES {
+            if bits >> lane & 1 != 0 {
+                table[bits][set] = lane as u8;
+                set += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
+/// Bodies in reach of one: sorted places, with a mark on those that touch.
+struct Candidates {
+    places: [u32; CANDIDATES],
+    count: usize,
+}
+
+impl Candidates {
+    /// Keep those of the eight places from `begin` on whose bits are set in `near`: all eight are written
+    /// and the next ones overwrite what does not count, so that nothing branches on the bits.
+    #[inline(always)]
+    fn push(&mut self, begin: usize, near: u8, touching: u8) {
+        let lanes = &SET_BITS[usize::from(near)];
+        if let Some(to) = self.places[self.count..].first_chunk_mut::<LANES>() {
+            for (to, lane) in to.iter_mut().zip(lanes) {
+                let lane = u32::from(*lane);
+                *to = (begin as u32 + lane) | (u32::from(touching) >> lane) << 31;
+            }
+            self.count += near.count_ones() as usize;
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        self.count + LANES > CANDIDATES
+    }
+}
+
 impl Search<'_> {
     /// Pairs of the bodies at these places with those behind them.
     #[inline(always)]
     fn pairs_of(&self, places: std::ops::Range<usize>, found: &mut Vec<Found>) {
-        let cells = self.cells;
+        let (cells, gaps) = (self.cells, [self.range, self.margin]);
+        let (mut own, mut candidates) =
+            (places.start, Candidates { places: [0; CANDIDATES], count: 0 });
         cells.for_each_candidate(
             places,
             self.range,
             self.period,
             #[inline(always)]
             |k, row| {
-                let (i, pi) = (cells.order[k], &cells.sorted[k]);
-                let mut look = |other: usize| {
-                    let (j, pj) = (cells.order[other], &cells.sorted[other]);
-                    match self.members {
-                        None => self.keep(i, j, &self.bodies.id, pi, pj, found),
-                        Some(m) => self.spheres_of(m, i, j, found),
-                    }
-                };
-                let mut begin = row.start;
+                if k != own {
+                    self.keep_all(own, &mut candidates, found);
+                    own = k;
+                }
+                let (pi, mut begin) = (&cells.sorted[k], row.start);
                 while begin < row.end {
                     let left = row.end - begin;
                     let valid = if left >= LANES { u8::MAX } else { (1u8 << left) - 1 };
                     let (columns, period) = (&cells.columns, self.period);
-                    let near =
-                        crate::simd::in_reach(self.level, pi, columns, begin, self.range, period);
-                    let mut near = near & valid;
-                    while near != 0 {
-                        look(begin + near.trailing_zeros() as usize);
-                        near &= near - 1;
+                    let [near, touching] =
+                        crate::simd::in_reach(self.level, pi, columns, begin, gaps, period);
+                    candidates.push(begin, near & valid, touching);
+                    if candidates.is_full() {
+                        self.keep_all(k, &mut candidates, found);
                     }
                     begin += LANES;
                 }
             },
         );
+        self.keep_all(own, &mut candidates, found);
+    }
+
+    /// Keep the pairs of the body at sorted place `k` with its candidates.
+    #[inline(always)]
+    fn keep_all(&self, k: usize, candidates: &mut Candidates, found: &mut Vec<Found>) {
+        let order = &self.cells.order;
+        let (own, ids) = (order.get(k).copied().unwrap_or_default(), &self.bodies.id);
+        let marked = &candidates.places[..candidates.count];
+        candidates.count = 0;
+        if let Some(m) = self.members {
+            for place in marked {
+                self.spheres_of(m, own, order[(place & !TOUCHES) as usize], found);
+            }
+            return;
+        }
+        found.extend(marked.iter().map(|place| {
+            let other = order[(place & !TOUCHES) as usize];
+            let earlier = ids[own as usize] < ids[other as usize];
+            let (first, second) = if earlier { (own, other) } else { (other, own) };
+            Found { first, second, touching: place & TOUCHES != 0 }
+        }));
     }
 
     fn distance_squared(&self, a: &Record, b: &Record) -> f64 {

@@ -142,6 +142,8 @@ pub(crate) struct Scratch {
     pub(crate) old_walls: WallList,
     pub(crate) order: Vec<u32>,
     pub(crate) old_sphere_place: Vec<u32>,
+    /// Where each sphere of the old list is now.
+    pub(crate) new_sphere_place: Vec<u32>,
     pub(crate) placed: Vec<PlacedWall>,
     /// Walls when the list was made.
     pub(crate) placed_then: Vec<PlacedWall>,

@@ -198,11 +198,25 @@ impl CellList {
     }
 }
 
+/// A cell's number within its period, for one that lies a period beyond it at most.
+#[inline(always)]
+fn within(cell: isize, cells: usize) -> usize {
+    let all = cells as isize;
+    (if cell < 0 {
+        cell + all
+    } else if cell >= all {
+        cell - all
+    } else {
+        cell
+    }) as usize
+}
+
 impl Level {
     fn cell(&self, x: [f64; 3]) -> [usize; 3] {
         std::array::from_fn(|k| self.cell_along(k, x[k]))
     }
 
+    #[inline(always)]
     fn cell_along(&self, k: usize, x: f64) -> usize {
         (((x - self.origin[k]) * self.inverse_size[k]).max(0.0) as usize).min(self.cells[k] - 1)
     }
@@ -241,9 +255,9 @@ impl Level {
         let (m0, m1) = span(m);
         let (s0, s1) = span(s);
         for cs in s0..=s1 {
-            let cs = cs.rem_euclid(self.cells[s] as isize) as usize;
+            let cs = within(cs, self.cells[s]);
             for cm in m0..=m1 {
-                let cm = cm.rem_euclid(self.cells[m] as isize) as usize;
+                let cm = within(cm, self.cells[m]);
                 let base = (cs * self.cells[m] + cm) * self.cells[f];
                 let begin = self.start[base + f0 as usize] as usize;
                 let end = self.start[base + f1 as usize + 1] as usize;

@@ -58,15 +58,15 @@ impl PairList {
         self.near_begin..self.first.len()
     }
 
-    /// Fill the list with `found`, and take over what the contacts of `old` remember. `old_place`
-    /// tells where a sphere was in `old`, if places changed.
+    /// Fill the list with `found`, and take over what the contacts of `old` remember. `new_place`
+    /// tells where a sphere of `old` is now, if places changed.
     pub(crate) fn fill(
         &mut self,
         spheres: usize,
         slots: usize,
         found: &[Vec<Found>],
         old: &PairList,
-        old_place: Option<&[u32]>,
+        new_place: Option<&[u32]>,
     ) {
         self.slots = slots;
         for start in [&mut self.touching_start, &mut self.near_start] {
@@ -99,7 +99,7 @@ impl PairList {
         self.active.resize(total, 0);
         self.memory.clear();
         self.memory.resize(whole_blocks(total) * slots, 0.0);
-        self.take_over(spheres, old, old_place);
+        self.take_over(spheres, old, new_place);
     }
 
     /// Sort the touching pairs by their second sphere, those of one sphere as in the list.
@@ -126,17 +126,14 @@ impl PairList {
         self.second_start.clear();
     }
 
-    fn take_over(&mut self, spheres: usize, old: &PairList, old_place: Option<&[u32]>) {
+    fn take_over(&mut self, spheres: usize, old: &PairList, new_place: Option<&[u32]>) {
         if old.touching_start.len() != spheres + 1 {
             return;
         }
-        let before = |place: u32| old_place.map_or(place, |o| o[place as usize]);
-        for pair in (0..self.touching).chain(self.near()) {
-            let (a, b) = (before(self.first[pair]), before(self.second[pair]));
-            let Some(was) = old.find(a as usize, b) else { continue };
-            if old.active[was] == 0 {
-                continue;
-            }
+        let now = |place: u32| new_place.map_or(place, |n| n[place as usize]);
+        for (was, _) in old.active.iter().enumerate().filter(|(_, active)| **active != 0) {
+            let (a, b) = (now(old.first[was]), now(old.second[was]));
+            let Some(pair) = self.find(a as usize, b) else { continue };
             self.active[pair] = 1;
             for slot in 0..self.slots {
                 self.memory[memory_index(self.slots, pair, slot)] =

@@ -28,6 +28,20 @@ pub(crate) struct Run<'a> {
     pub(crate) torque_second: &'a mut [Record],
 }
 
+/// Eight bits as bytes.
+const BYTES: [[u8; 8]; 256] = {
+    let (mut table, mut bits) = ([[0; 8]; 256], 0);
+    while bits < 256 {
+        let mut lane = 0;
+        while lane < 8 {
+            table[bits][lane] = (bits >> lane & 1) as u8;
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
 /// One block of eight contacts.
 struct Block<'a> {
     first: &'a [u32; 8],
@@ -285,7 +299,7 @@ impl PairKernel<'_> {
     pub(crate) fn touching(&self, level: Level, run: &mut Run<'_>, into: &mut ChunkYield) {
         #[cfg(target_arch = "x86_64")]
         {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
             unsafe fn avx512(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
@@ -296,7 +310,7 @@ impl PairKernel<'_> {
                     }
                 }
             }
-            #[target_feature(enable = "avx2")]
+            #[target_feature(enable = "avx2,popcnt")]
             unsafe fn avx2(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe { k.blocks::<super::avx::Pair, false>(run, into) }
@@ -315,12 +329,12 @@ impl PairKernel<'_> {
     pub(crate) fn touch(&self, level: Level, first: &[u32; 8], second: &[u32; 8]) -> u8 {
         #[cfg(target_arch = "x86_64")]
         {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
             unsafe fn avx512(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
                 // SAFETY: the lists hold places of spheres.
                 unsafe { k.near::<super::avx::Wide>(first, second) }
             }
-            #[target_feature(enable = "avx2")]
+            #[target_feature(enable = "avx2,popcnt")]
             unsafe fn avx2(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
                 // SAFETY: the lists hold places of spheres.
                 unsafe { k.near::<super::avx::Pair>(first, second) }
@@ -384,7 +398,7 @@ impl PairKernel<'_> {
             // SAFETY: by the caller.
             unsafe { self.block::<V, FAST>(&mut block, &laws) };
             let (touching, deep) = (block.touching, block.deep);
-            *active = std::array::from_fn(|lane| touching >> lane & 1);
+            *active = BYTES[usize::from(touching)];
             if deep != 0 {
                 self.note_deep(deep, first, second, into);
             }

@@ -41,10 +41,14 @@ impl Level {
     pub(crate) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt");
+            let has_avx512 = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl");
+            if has_avx2 && has_avx512 {
                 return Self::Avx512;
             }
-            if is_x86_feature_detected!("avx2") {
+            if has_avx2 {
                 return Self::Avx2;
             }
         }
@@ -111,33 +115,33 @@ pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
         .collect()
 }
 
-/// Bits of those among eight spheres (coordinates and radii in `columns` from `begin` on) whose gap
-/// to `own` is below `range`.
+/// Bits of those among eight spheres (coordinates and radii in `columns` from `begin` on) whose gap to
+/// `own` is below the range, and of those whose gap is below the margin.
 #[inline(always)]
 pub(crate) fn in_reach(
     level: Level,
     own: &Record,
     columns: &[Vec<f64>; 4],
     begin: usize,
-    range: f64,
+    gaps: [f64; 2],
     period: Option<Period>,
-) -> u8 {
+) -> [u8; 2] {
     let eight = |k: usize| columns[k][begin..].first_chunk::<8>();
     let (Some(x), Some(y), Some(z), Some(r)) = (eight(0), eight(1), eight(2), eight(3)) else {
-        return 0;
+        return [0; 2];
     };
     #[cfg(target_arch = "x86_64")]
     match level {
-        Level::Avx512 => return reach::<avx::Wide>(own, [x, y, z, r], range, period),
-        Level::Avx2 => return reach::<avx::Pair>(own, [x, y, z, r], range, period),
+        Level::Avx512 => return reach::<avx::Wide>(own, [x, y, z, r], gaps, period),
+        Level::Avx2 => return reach::<avx::Pair>(own, [x, y, z, r], gaps, period),
         Level::Portable => {}
     }
     let _ = level;
-    (0..8).fold(0, |bits, k| {
+    (0..8).fold([0; 2], |[near, touching], k| {
         let d = glam::DVec3::new(x[k] - own.x, y[k] - own.y, z[k] - own.z);
-        let d = Period::shortest(period, d);
-        let sum = own.w + r[k] + range;
-        bits | u8::from(d.length_squared() < sum * sum) << k
+        let d2 = Period::shortest(period, d).length_squared();
+        let below = |gap: f64| u8::from(d2 < (own.w + r[k] + gap).powi(2)) << k;
+        [near | below(gaps[0]), touching | below(gaps[1])]
     })
 }
 
@@ -145,9 +149,9 @@ pub(crate) fn in_reach(
 fn reach<V: lanes::Lanes>(
     own: &Record,
     [x, y, z, r]: [&[f64; 8]; 4],
-    range: f64,
+    gaps: [f64; 2],
     period: Option<Period>,
-) -> u8 {
+) -> [u8; 2] {
     let mut d = lanes::V3 {
         x: V::load(x) - V::splat(own.x),
         y: V::load(y) - V::splat(own.y),
@@ -156,8 +160,9 @@ fn reach<V: lanes::Lanes>(
     if let Some(p) = period {
         d = d.shortest(p);
     }
-    let sum = V::splat(own.w) + V::load(r) + V::splat(range);
-    d.dot(d).less(sum * sum)
+    let (d2, both) = (d.dot(d), V::splat(own.w) + V::load(r));
+    let (range, margin) = (both + V::splat(gaps[0]), both + V::splat(gaps[1]));
+    [d2.less(range * range), d2.less(margin * margin)]
 }
 
 /// Work on records that is written once for all instruction sets.
@@ -188,11 +193,11 @@ pub(crate) fn on_records<W: RecordWork>(level: Level, work: W) -> W::Yield {
 pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     {
-        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
         unsafe fn avx512<R>(work: impl FnOnce() -> R) -> R {
             work()
         }
-        #[target_feature(enable = "avx2")]
+        #[target_feature(enable = "avx2,popcnt")]
         unsafe fn avx2<R>(work: impl FnOnce() -> R) -> R {
             work()
         }
