@@ -4,7 +4,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::{Lanes, Quad};
+use super::lanes::{Lanes, Numbers, Quad};
 use crate::particles::Record;
 
 /// Eight lanes of one AVX-512 register.
@@ -86,18 +86,11 @@ unsafe fn columns([a, b, c, d]: [__m512d; 4]) -> [Wide; 4] {
 
 // SAFETY of all blocks below: values exist only where AVX-512 was detected; references to arrays
 // of eight numbers are valid for the unaligned loads and stores.
-impl Lanes for Wide {
+impl Numbers for Wide {
+    type Mask = u8;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self(unsafe { _mm512_set1_pd(x) })
-    }
-    #[inline(always)]
-    fn load(from: &[f64; 8]) -> Self {
-        Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64; 8]) {
-        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -136,6 +129,24 @@ impl Lanes for Wide {
     #[inline(always)]
     fn select(self, mask: u8, other: Self) -> Self {
         Self(unsafe { _mm512_mask_blend_pd(mask, other.0, self.0) })
+    }
+    #[inline(always)]
+    fn map(self, f: fn(f64) -> f64) -> Self {
+        let mut each = [0.0; 8];
+        self.store(&mut each);
+        Self::load(&each.map(f))
+    }
+}
+
+// SAFETY: as above.
+impl Lanes for Wide {
+    #[inline(always)]
+    fn load(from: &[f64; 8]) -> Self {
+        Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64; 8]) {
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
     }
     #[inline(always)]
     unsafe fn gather(records: &[Record], p: &[u32; 8]) -> [Self; 4] {
@@ -237,21 +248,11 @@ unsafe fn transpose(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> [__m256d;
 
 // SAFETY of all blocks below: values exist only where AVX2 was detected; references to arrays of
 // eight numbers are valid for the unaligned loads and stores.
-impl Lanes for Pair {
+impl Numbers for Pair {
+    type Mask = u8;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         unsafe { Self(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
-    }
-    #[inline(always)]
-    fn load(from: &[f64; 8]) -> Self {
-        unsafe { Self(_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().add(4))) }
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64; 8]) {
-        unsafe {
-            _mm256_storeu_pd(to.as_mut_ptr(), self.0);
-            _mm256_storeu_pd(to.as_mut_ptr().add(4), self.1);
-        }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -292,6 +293,27 @@ impl Lanes for Pair {
                 _mm256_blendv_pd(other.0, self.0, mask4(mask & 15)),
                 _mm256_blendv_pd(other.1, self.1, mask4(mask >> 4)),
             )
+        }
+    }
+    #[inline(always)]
+    fn map(self, f: fn(f64) -> f64) -> Self {
+        let mut each = [0.0; 8];
+        self.store(&mut each);
+        Self::load(&each.map(f))
+    }
+}
+
+// SAFETY: as above.
+impl Lanes for Pair {
+    #[inline(always)]
+    fn load(from: &[f64; 8]) -> Self {
+        unsafe { Self(_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().add(4))) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64; 8]) {
+        unsafe {
+            _mm256_storeu_pd(to.as_mut_ptr(), self.0);
+            _mm256_storeu_pd(to.as_mut_ptr().add(4), self.1);
         }
     }
     #[inline(always)]

@@ -6,7 +6,8 @@
 //! `rolling/constant_torque.rs`, `cohesion/sjkr.rs` and `contact/model.rs`. Whoever changes one of them changes this
 //! too: `simd_and_portable_kernels_agree_bit_by_bit` tells.
 
-use super::lanes::{Lanes, V3};
+use super::blocks::{Blocks, MOST, Two};
+use super::lanes::{Lanes, Mask, Numbers, V3};
 use super::{Constants, Level};
 use crate::contact::spring::{COSINE, SINE};
 use crate::forces::{ChunkYield, SphereView};
@@ -42,20 +43,16 @@ const BYTES: [[u8; 8]; 256] = {
     table
 };
 
-/// One block of eight contacts.
+/// Blocks of eight contacts that are computed together.
 struct Block<'a> {
-    first: &'a [u32; 8],
-    second: &'a [u32; 8],
+    first: &'a [[u32; 8]],
+    second: &'a [[u32; 8]],
     /// Lanes that hold a contact.
-    valid: u8,
-    /// Which of them touch: out.
-    touching: u8,
-    /// Which overlap too deeply: out.
-    deep: u8,
-    memory: &'a mut [f64; 8 * SLOTS],
-    force: &'a mut [Record; 8],
-    torque_first: &'a mut [Record; 8],
-    torque_second: &'a mut [Record; 8],
+    valid: [u8; MOST],
+    memory: &'a mut [[f64; 8 * SLOTS]],
+    force: &'a mut [[Record; 8]],
+    torque_first: &'a mut [[Record; 8]],
+    torque_second: &'a mut [[Record; 8]],
 }
 
 /// What is the same for all pairs of spheres.
@@ -97,7 +94,7 @@ pub(super) struct Laws<V> {
     shear_root: V,
 }
 
-impl<V: Lanes> Laws<V> {
+impl<V: Blocks> Laws<V> {
     #[inline(always)]
     pub(super) fn splat(c: &Constants) -> Self {
         Self::from(
@@ -106,11 +103,17 @@ impl<V: Lanes> Laws<V> {
         )
     }
 
+    /// By block and lane.
     #[inline(always)]
-    pub(super) fn lanes(each: [&Constants; 8]) -> Self {
+    pub(super) fn lanes<'c>(each: impl Fn(usize, usize) -> &'c Constants) -> Self {
         Self::from(
             #[inline(always)]
-            |f| V::load(&each.map(f)),
+            |f| {
+                V::of(
+                    #[inline(always)]
+                    |block, lane| f(each(block, lane)),
+                )
+            },
         )
     }
 
@@ -163,11 +166,15 @@ pub(super) struct Out<V> {
 
 /// Hold `trial` to the limit; returns it and the lanes, of those that matter, that slide.
 #[inline(always)]
-fn limit<V: Lanes, const FAST: bool>(trial: V3<V>, threshold: V, used: u8) -> (V3<V>, u8) {
+fn limit<V: Numbers, const FAST: bool>(
+    trial: V3<V>,
+    threshold: V,
+    used: V::Mask,
+) -> (V3<V>, V::Mask) {
     let size2 = trial.dot(trial);
     let slides = (threshold * threshold).less(size2) & used;
-    if slides == 0 {
-        return (trial, 0);
+    if slides.is_empty() {
+        return (trial, slides);
     }
     let scaled = if FAST {
         trial * (threshold * size2.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root())
@@ -179,14 +186,14 @@ fn limit<V: Lanes, const FAST: bool>(trial: V3<V>, threshold: V, used: u8) -> (V
 
 /// Root of numbers that are not negative.
 #[inline(always)]
-fn root<V: Lanes, const FAST: bool>(x: V) -> V {
+fn root<V: Numbers, const FAST: bool>(x: V) -> V {
     if FAST { x * x.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root() } else { x.sqrt() }
 }
 
 /// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
 /// matter.
 #[inline(always)]
-fn small_sin_cos<V: Lanes>(x: V, used: u8) -> (V, V) {
+fn small_sin_cos<V: Numbers>(x: V, used: V::Mask) -> (V, V) {
     let one = V::splat(1.0);
     let x2 = x * x;
     // Not by `map`: its closure would not be compiled for the instructions of the kernel.
@@ -197,25 +204,18 @@ fn small_sin_cos<V: Lanes>(x: V, used: u8) -> (V, V) {
     let sin = x * (one + x2 * (s3 + x2 * (s5 + x2 * (s7 + x2 * s9))));
     let cos = one + x2 * (c2 + x2 * (c4 + x2 * (c6 + x2 * c8)));
     let large = V::splat(0.1).less(x.abs()) & used;
-    if large == 0 { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
+    if large.is_empty() { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
 }
 
 /// The lanes of large twists by the library's functions.
 #[cold]
-fn large_sin_cos<V: Lanes>(x: V, sin: V, cos: V, large: u8) -> (V, V) {
-    let (mut angles, mut sines, mut cosines) = ([0.0; 8], [0.0; 8], [0.0; 8]);
-    x.store(&mut angles);
-    sin.store(&mut sines);
-    cos.store(&mut cosines);
-    for lane in (0..8).filter(|l| large >> l & 1 != 0) {
-        (sines[lane], cosines[lane]) = angles[lane].sin_cos();
-    }
-    (V::load(&sines), V::load(&cosines))
+fn large_sin_cos<V: Numbers>(x: V, sin: V, cos: V, large: V::Mask) -> (V, V) {
+    (x.map(f64::sin).select(large, sin), x.map(f64::cos).select(large, cos))
 }
 
 /// Simplified JKR.
 #[inline(always)]
-fn pull<V: Lanes>(m: &Motion<V>, energy_density: V, d: V) -> V {
+fn pull<V: Numbers>(m: &Motion<V>, energy_density: V, d: V) -> V {
     let (one, two) = (V::splat(1.0), V::splat(2.0));
     let (r, kappa) = (m.radius_i, one / m.radius_j);
     let sum = r * kappa + one;
@@ -231,13 +231,13 @@ fn pull<V: Lanes>(m: &Motion<V>, energy_density: V, d: V) -> V {
 
 /// The laws; `cohesive` tells whether any of them pulls.
 #[inline(always)]
-pub(super) fn respond<V: Lanes, const FAST: bool>(
+pub(super) fn respond<V: Numbers, const FAST: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
     cohesive: bool,
     old: V3<V>,
     old_stiffness: V,
-    touching: u8,
+    touching: V::Mask,
 ) -> Out<V> {
     let (zero, n) = (V::splat(0.0), m.normal);
     let tiny = V::splat(f64::MIN_POSITIVE);
@@ -304,16 +304,20 @@ impl PairKernel<'_> {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
                     if k.fast_roots {
-                        k.blocks::<super::avx::Wide, true>(run, into);
+                        let done = k.blocks::<Two<super::avx::Wide>, true>(run, 0, into);
+                        k.blocks::<super::avx::Wide, true>(run, done, into);
                     } else {
-                        k.blocks::<super::avx::Wide, false>(run, into);
+                        let done = k.blocks::<Two<super::avx::Wide>, false>(run, 0, into);
+                        k.blocks::<super::avx::Wide, false>(run, done, into);
                     }
                 }
             }
             #[target_feature(enable = "avx2,popcnt")]
             unsafe fn avx2(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.blocks::<super::avx::Pair, false>(run, into) }
+                unsafe {
+                    k.blocks::<super::avx::Pair, false>(run, 0, into);
+                }
             }
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
             match level {
@@ -356,7 +360,9 @@ impl PairKernel<'_> {
     unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
         let position = self.spheres.position;
         // SAFETY: by the caller.
-        let (pi, pj) = unsafe { (V::gather(position, first), V::gather(position, second)) };
+        let (pi, pj) = unsafe {
+            (<V as Lanes>::gather(position, first), <V as Lanes>::gather(position, second))
+        };
         let mut d = V3::of(pj) - V3::of(pi);
         if let Some(p) = self.period {
             d = d.shortest(p);
@@ -365,10 +371,17 @@ impl PairKernel<'_> {
         d.dot(d).less(sum * sum)
     }
 
+    /// Compute the blocks from `done` on as long as there are enough; returns how many are done then.
+    ///
     /// # Safety
     /// Every place in the run is that of a sphere.
     #[inline(always)]
-    unsafe fn blocks<V: Lanes, const FAST: bool>(&self, run: &mut Run<'_>, into: &mut ChunkYield) {
+    unsafe fn blocks<V: Blocks, const FAST: bool>(
+        &self,
+        run: &mut Run<'_>,
+        mut done: usize,
+        into: &mut ChunkYield,
+    ) -> usize {
         let (first, _) = run.first.as_chunks::<8>();
         let (second, _) = run.second.as_chunks::<8>();
         let (active, _) = run.active.as_chunks_mut::<8>();
@@ -376,33 +389,35 @@ impl PairKernel<'_> {
         let (force, _) = run.force.as_chunks_mut::<8>();
         let (torque_first, _) = run.torque_first.as_chunks_mut::<8>();
         let (torque_second, _) = run.torque_second.as_chunks_mut::<8>();
-        let each = first.iter().zip(second).zip(active).zip(memory).zip(force);
-        let each = each.zip(torque_first).zip(torque_second).enumerate();
         let laws = Laws::splat(&self.constants[0]);
-        for (k, ((((((first, second), active), memory), force), torque_first), torque_second)) in
-            each
-        {
-            let left = run.pairs.saturating_sub(8 * k);
-            let valid = if left >= 8 { u8::MAX } else { (1u8 << left) - 1 };
+        while done + V::COUNT <= active.len() {
+            let these = done..done + V::COUNT;
+            let valid = |k: usize| match run.pairs.saturating_sub(8 * k) {
+                left @ 0..8 => (1u8 << left) - 1,
+                _ => u8::MAX,
+            };
             let mut block = Block {
-                first,
-                second,
-                valid,
-                touching: 0,
-                deep: 0,
-                memory,
-                force,
-                torque_first,
-                torque_second,
+                first: &first[these.clone()],
+                second: &second[these.clone()],
+                valid: [valid(done), valid(done + 1)],
+                memory: &mut memory[these.clone()],
+                force: &mut force[these.clone()],
+                torque_first: &mut torque_first[these.clone()],
+                torque_second: &mut torque_second[these.clone()],
             };
             // SAFETY: by the caller.
-            unsafe { self.block::<V, FAST>(&mut block, &laws) };
-            let (touching, deep) = (block.touching, block.deep);
-            *active = BYTES[usize::from(touching)];
-            if deep != 0 {
-                self.note_deep(deep, first, second, into);
+            let [touching, deep] = unsafe { self.block::<V, FAST>(&mut block, &laws) };
+            for (active, touching) in active[these].iter_mut().zip(touching) {
+                *active = BYTES[usize::from(touching)];
             }
+            if deep != [0; MOST] {
+                for (k, deep) in deep.into_iter().enumerate().take(V::COUNT) {
+                    self.note_deep(deep, &first[done + k], &second[done + k], into);
+                }
+            }
+            done += V::COUNT;
         }
+        done
     }
 
     #[cold]
@@ -416,10 +431,16 @@ impl PairKernel<'_> {
         }
     }
 
+    /// Compute a block; returns which lanes touch and which overlap too deeply.
+    ///
     /// # Safety
     /// Every place in `first` and `second` of a block is that of a sphere.
     #[inline(always)]
-    unsafe fn block<V: Lanes, const FAST: bool>(&self, b: &mut Block<'_>, only: &Laws<V>) {
+    unsafe fn block<V: Blocks, const FAST: bool>(
+        &self,
+        b: &mut Block<'_>,
+        only: &Laws<V>,
+    ) -> [[u8; MOST]; 2] {
         let s = &self.spheres;
         // Spheres alike: only differences are needed, and half as many exchanges.
         // SAFETY: by the caller.
@@ -441,15 +462,13 @@ impl PairKernel<'_> {
         }
         let distance_squared = d.dot(d);
         let sum = ri + rj;
-        let touching = distance_squared.less(sum * sum) & b.valid;
-        b.touching = touching;
-        b.deep = 0;
-        if touching == 0 {
-            b.memory.fill(0.0);
-            b.force.fill(Record::default());
-            b.torque_first.fill(Record::default());
-            b.torque_second.fill(Record::default());
-            return;
+        let touching = distance_squared.less(sum * sum) & V::mask(b.valid);
+        if touching.is_empty() {
+            b.memory.fill([0.0; 8 * SLOTS]);
+            for wrench in [&mut b.force, &mut b.torque_first, &mut b.torque_second] {
+                wrench.fill([Record::ZERO; 8]);
+            }
+            return [[0; MOST]; 2];
         }
         let (distance, inverse) = if FAST {
             let inverse = distance_squared.reciprocal_root();
@@ -483,18 +502,16 @@ impl PairKernel<'_> {
         };
         let many;
         let laws = if self.constants.len() > 1 {
-            let (mut a, mut c) = ([0.0; 8], [0.0; 8]);
-            wi[3].store(&mut a);
-            wj[3].store(&mut c);
-            many = Laws::lanes(std::array::from_fn(|k| {
-                &self.constants[a[k] as usize * self.materials + c[k] as usize]
-            }));
+            let (a, c) = (wi[3].each(), wj[3].each());
+            many = Laws::lanes(|k, lane| {
+                &self.constants[a[k][lane] as usize * self.materials + c[k][lane] as usize]
+            });
             &many
         } else {
             only
         };
         let (wi, wj) = (V3::of(wi), V3::of(wj));
-        b.deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
+        let deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
         let n = d * inverse;
         let dt = V::splat(self.dt);
         let half = V::splat(0.5) * overlap;
@@ -525,32 +542,29 @@ impl PairKernel<'_> {
         let (old, old_stiffness) = load_memory::<V>(b.memory);
         let out = respond::<V, FAST>(&motion, laws, self.cohesive, old, old_stiffness, touching);
         store(b, touching, &out);
+        [V::bits(touching), V::bits(deep)]
     }
 }
 
 #[inline(always)]
-fn load_memory<V: Lanes>(memory: &[f64; 8 * SLOTS]) -> (V3<V>, V) {
-    let (slots, _) = memory.as_chunks::<8>();
-    let old = V3 { x: V::load(&slots[0]), y: V::load(&slots[1]), z: V::load(&slots[2]) };
-    (old, V::load(&slots[3]))
+fn load_memory<V: Blocks>(memory: &[[f64; 8 * SLOTS]]) -> (V3<V>, V) {
+    let [x, y, z] = [V::load_slot(memory, 0), V::load_slot(memory, 1), V::load_slot(memory, 2)];
+    (V3 { x, y, z }, V::load_slot(memory, 3))
 }
 
 #[inline(always)]
-fn store<V: Lanes>(b: &mut Block<'_>, touching: u8, out: &Out<V>) {
+fn store<V: Blocks>(b: &mut Block<'_>, touching: V::Mask, out: &Out<V>) {
     let zero = V::splat(0.0);
     let none = V3::splat(0.0);
     let spring = out.spring.select(touching, none);
-    let (slots, _) = b.memory.as_chunks_mut::<8>();
-    spring.x.store(&mut slots[0]);
-    spring.y.store(&mut slots[1]);
-    spring.z.store(&mut slots[2]);
-    out.stiffness.select(touching, zero).store(&mut slots[3]);
-    for (v, to) in [
-        (out.force, &mut *b.force),
-        (out.torque_i, &mut *b.torque_first),
-        (out.torque_j, &mut *b.torque_second),
-    ] {
-        let v = v.select(touching, none);
-        V::scatter([v.x, v.y, v.z, zero], to);
-    }
+    spring.x.store_slot(b.memory, 0);
+    spring.y.store_slot(b.memory, 1);
+    spring.z.store_slot(b.memory, 2);
+    out.stiffness.select(touching, zero).store_slot(b.memory, 3);
+    let v = out.force.select(touching, none);
+    V::scatter([v.x, v.y, v.z, zero], b.force);
+    let v = out.torque_i.select(touching, none);
+    V::scatter([v.x, v.y, v.z, zero], b.torque_first);
+    let v = out.torque_j.select(touching, none);
+    V::scatter([v.x, v.y, v.z, zero], b.torque_second);
 }

@@ -1,12 +1,12 @@
 //! Eight numbers side by side, and vectors of them.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use crate::neighbour::Period;
 use crate::particles::Record;
 
-/// Eight numbers in one or several registers.
-pub(super) trait Lanes:
+/// Numbers side by side, on which laws are written once.
+pub(super) trait Numbers:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -14,10 +14,10 @@ pub(super) trait Lanes:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// One bit a lane.
+    type Mask: Mask;
     /// The same number in every lane.
     fn splat(x: f64) -> Self;
-    fn load(from: &[f64; 8]) -> Self;
-    fn store(self, to: &mut [f64; 8]);
     fn sqrt(self) -> Self;
     /// `1 / sqrt(x)` to about two units in the last place, `x` positive and normal.
     fn reciprocal_root(self) -> Self;
@@ -26,9 +26,32 @@ pub(super) trait Lanes:
     fn max(self, other: Self) -> Self;
     fn min(self, other: Self) -> Self;
     /// One bit a lane: `self < other`, false for what cannot be compared.
-    fn less(self, other: Self) -> u8;
+    fn less(self, other: Self) -> Self::Mask;
     /// `self` in the lanes of `mask`, `other` elsewhere.
-    fn select(self, mask: u8, other: Self) -> Self;
+    fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// A function of every lane, one after the other.
+    fn map(self, f: fn(f64) -> f64) -> Self;
+}
+
+/// Bits of lanes.
+pub(super) trait Mask:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+    /// Whether no bit is set.
+    fn is_empty(self) -> bool;
+}
+
+impl Mask for u8 {
+    #[inline(always)]
+    fn is_empty(self) -> bool {
+        self == 0
+    }
+}
+
+/// Eight numbers in one or several registers.
+pub(super) trait Lanes: Numbers<Mask = u8> {
+    fn load(from: &[f64; 8]) -> Self;
+    fn store(self, to: &mut [f64; 8]);
     /// The records at eight places, one vector a field.
     ///
     /// # Safety
@@ -51,7 +74,7 @@ pub(super) struct V3<V> {
     pub(super) z: V,
 }
 
-impl<V: Lanes> V3<V> {
+impl<V: Numbers> V3<V> {
     #[inline(always)]
     pub(super) fn of(f: [V; 4]) -> Self {
         Self { x: f[0], y: f[1], z: f[2] }
@@ -92,7 +115,7 @@ impl<V: Lanes> V3<V> {
     }
 
     #[inline(always)]
-    pub(super) fn select(self, mask: u8, other: Self) -> Self {
+    pub(super) fn select(self, mask: V::Mask, other: Self) -> Self {
         Self {
             x: self.x.select(mask, other.x),
             y: self.y.select(mask, other.y),
@@ -101,7 +124,7 @@ impl<V: Lanes> V3<V> {
     }
 }
 
-impl<V: Lanes> Add for V3<V> {
+impl<V: Numbers> Add for V3<V> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
@@ -109,7 +132,7 @@ impl<V: Lanes> Add for V3<V> {
     }
 }
 
-impl<V: Lanes> Sub for V3<V> {
+impl<V: Numbers> Sub for V3<V> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
@@ -117,7 +140,7 @@ impl<V: Lanes> Sub for V3<V> {
     }
 }
 
-impl<V: Lanes> Mul<V> for V3<V> {
+impl<V: Numbers> Mul<V> for V3<V> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: V) -> Self {
@@ -125,7 +148,7 @@ impl<V: Lanes> Mul<V> for V3<V> {
     }
 }
 
-impl<V: Lanes> Neg for V3<V> {
+impl<V: Numbers> Neg for V3<V> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {

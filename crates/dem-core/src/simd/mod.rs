@@ -7,6 +7,7 @@
 #![expect(unsafe_code, reason = "vector instructions and unchecked gathers")]
 
 mod avx;
+mod blocks;
 mod hertz_mindlin;
 mod lanes;
 mod wall;
@@ -215,7 +216,7 @@ pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
-    use lanes::Lanes;
+    use lanes::{Lanes, Numbers};
 
     #[test]
     fn reciprocal_roots_are_two_units_in_the_last_place_off_at_most() {

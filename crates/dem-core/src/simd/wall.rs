@@ -167,9 +167,8 @@ impl PairKernel<'_> {
         } else {
             let mut own = [0.0; 8];
             w[3].store(&mut own);
-            Laws::lanes(std::array::from_fn(|k| {
-                &self.all[own[k] as usize * self.materials + material]
-            }))
+            let law = |_, lane: usize| &self.all[own[lane] as usize * self.materials + material];
+            Laws::lanes(law)
         };
         let (n, w) = (near.normal, V3::of(w));
         let dt = V::splat(self.dt);
