@@ -171,6 +171,9 @@ fn near_pairs<M: ContactLaw>(
         {
             touch = kernel.touch(level, f, s);
         }
+        if touch == 0 && active.first_chunk::<LANES>() == Some(&[0; LANES]) {
+            continue;
+        }
         for (lane, active) in active.iter_mut().enumerate() {
             if touch >> lane & 1 != 0 || *active != 0 {
                 look(k + lane, active);
