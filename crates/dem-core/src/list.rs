@@ -415,16 +415,34 @@ impl Search<'_> {
         found.push(Found { first, second, touching });
     }
 
-    /// Look at the spheres of two bodies.
+    /// Look at the spheres of two bodies: those of each that are in reach of the other as a whole.
     #[inline(never)]
     fn spheres_of(&self, m: &Members, i: u32, j: u32, found: &mut Vec<Found>) {
-        for s in m.first[i as usize]..m.first[i as usize + 1] {
-            for t in m.first[j as usize]..m.first[j as usize + 1] {
-                let (a, b) = (&m.position[s as usize], &m.position[t as usize]);
+        let own = |body: u32| m.first[body as usize]..m.first[body as usize + 1];
+        let whole = |body: u32| &self.bodies.position[body as usize];
+        let (first, second) = (own(i), own(j));
+        let near = |t: u32| self.in_reach(&m.position[t as usize], whole(i));
+        // Of the first 64; those beyond are looked at in any case.
+        let marks = second.clone().take(64).fold((0u64, 1u64), |(marks, bit), t| {
+            (if near(t) { marks | bit } else { marks }, bit << 1)
+        });
+        for s in first {
+            let a = &m.position[s as usize];
+            if !self.in_reach(a, whole(j)) {
+                continue;
+            }
+            let mut look = |t: u32| {
+                let b = &m.position[t as usize];
                 if self.in_reach(a, b) {
                     self.keep(s, t, &m.id, a, b, found);
                 }
+            };
+            let mut left = marks.0;
+            while left != 0 {
+                look(second.start + left.trailing_zeros());
+                left &= left - 1;
             }
+            second.clone().skip(64).for_each(look);
         }
     }
 }
