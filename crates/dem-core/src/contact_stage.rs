@@ -337,9 +337,8 @@ impl Collect<'_> {
             torque[k] = torque[k].plus(t);
         }
         let own = p.second_start[begin] as usize..p.second_start[end] as usize;
-        for &pair in &p.by_second[own] {
-            let pair = pair as usize;
-            let k = place(p.second[pair]);
+        for &[pair, b] in &p.by_second[own] {
+            let (pair, k) = (pair as usize, place(b));
             force[k] = force[k].minus(&w.pair_force[pair]);
             torque[k] = torque[k].plus(&w.pair_torque_second[pair]);
         }

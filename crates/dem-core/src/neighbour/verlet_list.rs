@@ -40,9 +40,9 @@ pub(crate) struct PairList {
     /// First touching, first near pair of each sphere.
     pub(crate) touching_start: Vec<u32>,
     pub(crate) near_start: Vec<u32>,
-    /// Touching pairs by their second sphere, and where those of each sphere begin.
+    /// Touching pairs by their second sphere, each with that sphere, and where those of each sphere begin.
     pub(crate) second_start: Vec<u32>,
-    pub(crate) by_second: Vec<u32>,
+    pub(crate) by_second: Vec<[u32; 2]>,
 }
 
 /// A pair found by the search.
@@ -112,11 +112,11 @@ impl PairList {
         }
         let total = ends_from_counts(&mut self.second_start, 0);
         self.by_second.clear();
-        self.by_second.resize(total, 0);
+        self.by_second.resize(total, [0; 2]);
         for (pair, &b) in second.iter().enumerate().rev() {
             let place = &mut self.second_start[b as usize];
             *place -= 1;
-            self.by_second[*place as usize] = pair as u32;
+            self.by_second[*place as usize] = [pair as u32, b];
         }
     }
 

@@ -390,6 +390,7 @@ impl PairKernel<'_> {
         let (torque_first, _) = run.torque_first.as_chunks_mut::<8>();
         let (torque_second, _) = run.torque_second.as_chunks_mut::<8>();
         let laws = Laws::splat(&self.constants[0]);
+        let nothing = std::hint::black_box(0.0);
         while done + V::COUNT <= active.len() {
             let these = done..done + V::COUNT;
             let valid = |k: usize| match run.pairs.saturating_sub(8 * k) {
@@ -406,7 +407,7 @@ impl PairKernel<'_> {
                 torque_second: &mut torque_second[these.clone()],
             };
             // SAFETY: by the caller.
-            let [touching, deep] = unsafe { self.block::<V, FAST>(&mut block, &laws) };
+            let [touching, deep] = unsafe { self.block::<V, FAST>(&mut block, &laws, nothing) };
             for (active, touching) in active[these].iter_mut().zip(touching) {
                 *active = BYTES[usize::from(touching)];
             }
@@ -440,6 +441,7 @@ impl PairKernel<'_> {
         &self,
         b: &mut Block<'_>,
         only: &Laws<V>,
+        nothing: f64,
     ) -> [[u8; MOST]; 2] {
         let s = &self.spheres;
         // Spheres alike: only differences are needed, and half as many exchanges.
@@ -541,7 +543,7 @@ impl PairKernel<'_> {
         };
         let (old, old_stiffness) = load_memory::<V>(b.memory);
         let out = respond::<V, FAST>(&motion, laws, self.cohesive, old, old_stiffness, touching);
-        store(b, touching, &out);
+        store(b, touching, &out, nothing);
         [V::bits(touching), V::bits(deep)]
     }
 }
@@ -553,8 +555,9 @@ fn load_memory<V: Blocks>(memory: &[[f64; 8 * SLOTS]]) -> (V3<V>, V) {
 }
 
 #[inline(always)]
-fn store<V: Blocks>(b: &mut Block<'_>, touching: V::Mask, out: &Out<V>) {
-    let zero = V::splat(0.0);
+fn store<V: Blocks>(b: &mut Block<'_>, touching: V::Mask, out: &Out<V>, nothing: f64) {
+    // Not known to the compiler: it would take the exchanges of `scatter` apart for the sake of a zero.
+    let zero = V::splat(nothing);
     let none = V3::splat(0.0);
     let spring = out.spring.select(touching, none);
     spring.x.store_slot(b.memory, 0);

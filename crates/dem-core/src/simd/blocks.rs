@@ -1,0 +1,263 @@
+//! One or two blocks of eight contacts: two side by side keep the processor busy while each waits for its
+//! own long chain of operations.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use super::lanes::{Lanes, Mask, Numbers};
+use crate::particles::Record;
+
+/// Most blocks at once.
+pub(super) const MOST: usize = 2;
+
+/// Numbers of whole blocks of contacts.
+pub(super) trait Blocks: Numbers {
+    /// How many blocks.
+    const COUNT: usize;
+    /// The bits of all blocks.
+    fn mask(bits: [u8; MOST]) -> Self::Mask;
+    /// The bits of each block.
+    fn bits(mask: Self::Mask) -> [u8; MOST];
+    /// Numbers by block and lane.
+    fn of(f: impl Fn(usize, usize) -> f64) -> Self;
+    /// The numbers of each block.
+    fn each(self) -> [[f64; 8]; MOST];
+    /// One slot of what contacts remember.
+    fn load_slot<const N: usize>(memory: &[[f64; N]], slot: usize) -> Self;
+    fn store_slot<const N: usize>(self, memory: &mut [[f64; N]], slot: usize);
+    /// As [`Lanes::gather`].
+    ///
+    /// # Safety
+    /// Every place is below the length of `records`.
+    unsafe fn gather(records: &[Record], places: &[[u32; 8]]) -> [Self; 4];
+    /// As [`Lanes::gather_difference`].
+    ///
+    /// # Safety
+    /// Every place is below the length of `records`.
+    unsafe fn gather_difference(
+        records: &[Record],
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
+    ) -> [Self; 4];
+    /// As [`Lanes::scatter`].
+    fn scatter(fields: [Self; 4], to: &mut [[Record; 8]]);
+}
+
+/// Eight numbers of a slot.
+#[inline(always)]
+fn slot_of<const N: usize>(memory: &[f64; N], slot: usize) -> &[f64; 8] {
+    &memory.as_chunks::<8>().0[slot]
+}
+
+impl<V: Lanes> Blocks for V {
+    const COUNT: usize = 1;
+    #[inline(always)]
+    fn mask(bits: [u8; MOST]) -> u8 {
+        bits[0]
+    }
+    #[inline(always)]
+    fn bits(mask: u8) -> [u8; MOST] {
+        [mask, 0]
+    }
+    #[inline(always)]
+    fn of(f: impl Fn(usize, usize) -> f64) -> Self {
+        V::load(&std::array::from_fn(|lane| f(0, lane)))
+    }
+    #[inline(always)]
+    fn each(self) -> [[f64; 8]; MOST] {
+        let mut all = [[0.0; 8]; MOST];
+        self.store(&mut all[0]);
+        all
+    }
+    #[inline(always)]
+    fn load_slot<const N: usize>(memory: &[[f64; N]], slot: usize) -> Self {
+        V::load(slot_of(&memory[0], slot))
+    }
+    #[inline(always)]
+    fn store_slot<const N: usize>(self, memory: &mut [[f64; N]], slot: usize) {
+        self.store(&mut memory[0].as_chunks_mut::<8>().0[slot]);
+    }
+    #[inline(always)]
+    unsafe fn gather(records: &[Record], places: &[[u32; 8]]) -> [Self; 4] {
+        // SAFETY: by the caller.
+        unsafe { <V as Lanes>::gather(records, &places[0]) }
+    }
+    #[inline(always)]
+    unsafe fn gather_difference(
+        records: &[Record],
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
+    ) -> [Self; 4] {
+        // SAFETY: by the caller.
+        unsafe { <V as Lanes>::gather_difference(records, &of[0], &less[0]) }
+    }
+    #[inline(always)]
+    fn scatter(fields: [Self; 4], to: &mut [[Record; 8]]) {
+        <V as Lanes>::scatter(fields, &mut to[0]);
+    }
+}
+
+/// Two blocks side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Two<V>(V, V);
+
+/// Bits of two blocks.
+#[derive(Clone, Copy)]
+pub(super) struct TwoBits(u8, u8);
+
+impl BitAnd for TwoBits {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, o: Self) -> Self {
+        Self(self.0 & o.0, self.1 & o.1)
+    }
+}
+
+impl BitOr for TwoBits {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, o: Self) -> Self {
+        Self(self.0 | o.0, self.1 | o.1)
+    }
+}
+
+impl Not for TwoBits {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0, !self.1)
+    }
+}
+
+impl Mask for TwoBits {
+    #[inline(always)]
+    fn is_empty(self) -> bool {
+        self.0 | self.1 == 0
+    }
+}
+
+macro_rules! two {
+    ($($trait:ident $name:ident),*) => {$(
+        impl<V: Lanes> $trait for Two<V> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                Self(self.0.$name(o.0), self.1.$name(o.1))
+            }
+        }
+    )*};
+}
+two!(Add add, Sub sub, Mul mul, Div div);
+
+impl<V: Lanes> Neg for Two<V> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
+    }
+}
+
+impl<V: Lanes> Numbers for Two<V> {
+    type Mask = TwoBits;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self(V::splat(x), V::splat(x))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        Self(self.0.reciprocal_root(), self.1.reciprocal_root())
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs(), self.1.abs())
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        Self(self.0.max(o.0), self.1.max(o.1))
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        Self(self.0.min(o.0), self.1.min(o.1))
+    }
+    #[inline(always)]
+    fn less(self, o: Self) -> TwoBits {
+        TwoBits(self.0.less(o.0), self.1.less(o.1))
+    }
+    #[inline(always)]
+    fn select(self, mask: TwoBits, o: Self) -> Self {
+        Self(self.0.select(mask.0, o.0), self.1.select(mask.1, o.1))
+    }
+    #[inline(always)]
+    fn map(self, f: fn(f64) -> f64) -> Self {
+        Self(self.0.map(f), self.1.map(f))
+    }
+}
+
+/// The fields of two blocks, field by field.
+#[inline(always)]
+fn joined<V: Lanes>(a: [V; 4], b: [V; 4]) -> [Two<V>; 4] {
+    [Two(a[0], b[0]), Two(a[1], b[1]), Two(a[2], b[2]), Two(a[3], b[3])]
+}
+
+impl<V: Lanes> Blocks for Two<V> {
+    const COUNT: usize = 2;
+    #[inline(always)]
+    fn mask(bits: [u8; MOST]) -> TwoBits {
+        TwoBits(bits[0], bits[1])
+    }
+    #[inline(always)]
+    fn bits(mask: TwoBits) -> [u8; MOST] {
+        [mask.0, mask.1]
+    }
+    #[inline(always)]
+    fn of(f: impl Fn(usize, usize) -> f64) -> Self {
+        Self(
+            V::load(&std::array::from_fn(|lane| f(0, lane))),
+            V::load(&std::array::from_fn(|lane| f(1, lane))),
+        )
+    }
+    #[inline(always)]
+    fn each(self) -> [[f64; 8]; MOST] {
+        let mut all = [[0.0; 8]; MOST];
+        self.0.store(&mut all[0]);
+        self.1.store(&mut all[1]);
+        all
+    }
+    #[inline(always)]
+    fn load_slot<const N: usize>(memory: &[[f64; N]], slot: usize) -> Self {
+        Self(V::load(slot_of(&memory[0], slot)), V::load(slot_of(&memory[1], slot)))
+    }
+    #[inline(always)]
+    fn store_slot<const N: usize>(self, memory: &mut [[f64; N]], slot: usize) {
+        self.0.store(&mut memory[0].as_chunks_mut::<8>().0[slot]);
+        self.1.store(&mut memory[1].as_chunks_mut::<8>().0[slot]);
+    }
+    #[inline(always)]
+    unsafe fn gather(records: &[Record], places: &[[u32; 8]]) -> [Self; 4] {
+        // SAFETY: by the caller.
+        unsafe {
+            let first = <V as Lanes>::gather(records, &places[0]);
+            joined(first, <V as Lanes>::gather(records, &places[1]))
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_difference(
+        records: &[Record],
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
+    ) -> [Self; 4] {
+        // SAFETY: by the caller.
+        unsafe {
+            let first = <V as Lanes>::gather_difference(records, &of[0], &less[0]);
+            joined(first, <V as Lanes>::gather_difference(records, &of[1], &less[1]))
+        }
+    }
+    #[inline(always)]
+    fn scatter([x, y, z, w]: [Self; 4], to: &mut [[Record; 8]]) {
+        <V as Lanes>::scatter([x.0, y.0, z.0, w.0], &mut to[0]);
+        <V as Lanes>::scatter([x.1, y.1, z.1, w.1], &mut to[1]);
+    }
+}
