@@ -10,7 +10,7 @@ pub(crate) struct CloseLoopArgs {
     /// Case file (TOML) or name of a built-in case; without one a small embedded drum whose
     /// effect nobody declares.
     pub(crate) case: Option<String>,
-    /// Most time that may be spent simulating, for instance 20min; a pilot run tells how many
+    /// Most time that may be spent simulating, for instance 20min; pilot runs tell how many
     /// runs fit.
     #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with = "runs")]
     pub(crate) budget: Option<Duration>,

@@ -19,6 +19,9 @@ const LEAST_PARTICLES: usize = 300;
 /// Time that no machine undercuts by much for one step of one sphere, s.
 const LEAST_COST_S: f64 = 80e-9;
 
+/// Most pilots that are run at a time.
+const MOST_PILOTS: usize = 8;
+
 /// Runs that the smallest plans have about.
 const LEAST_RUNS: f64 = 30.0;
 
@@ -79,8 +82,25 @@ fn ways(
     Ok(ways)
 }
 
-/// Set the number of runs that a budget pays for. Where it does not pay for the rig, softer particles, a coarse stand-in
-/// and then fewer speeds are taken, the first that will do.
+/// What a run of this way costs, s, as many at a time as will be: each of them is slower than one alone. The cost is kept
+/// with the runs, so that a loop that goes on has the same number of them.
+fn cost_of_pilots(way: &Way, lab: &Laboratory, jobs: usize) -> anyhow::Result<f64> {
+    let pilots: Vec<Rig> = (0..jobs.clamp(1, MOST_PILOTS) as u64)
+        .map(|k| {
+            let mut rig = way.pilot.clone();
+            rig.run.seed = rig.run.seed.wrapping_add(k);
+            rig
+        })
+        .collect();
+    let mut cost = 0.0;
+    for run in lab.run(&pilots, |_| ()) {
+        cost += run?.cost_s / pilots.len() as f64;
+    }
+    Ok(cost)
+}
+
+/// Set the number of runs that a budget pays for; returns how long they take at most, s. Where it does not pay for the rig,
+/// softer particles, a coarse stand-in and then fewer speeds are taken, the first that will do.
 pub(super) fn fit(
     jobs: usize,
     budget: Duration,
@@ -88,7 +108,7 @@ pub(super) fn fit(
     measured: &MeasuredTable,
     lab: &Laboratory,
     settings: &mut LoopSettings,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<f64> {
     let ways = ways(case, measured, lab, settings)?;
     let time = SIMULATING * budget.as_secs_f64() * jobs as f64;
     // A pilot of what no plan could pay for would only spend the budget.
@@ -96,24 +116,35 @@ pub(super) fn fit(
     let from = ways.iter().position(|w| !hopeless(w)).unwrap_or(ways.len() - 1);
     let ways = &ways[from..];
     let first = &ways[0];
-    eprintln!("a pilot run tells what a run costs");
-    // Its cost is kept with it, so that a loop that goes on has the same number of runs.
-    let pilot = lab.run(std::slice::from_ref(&first.pilot), |_| ()).remove(0)?;
-    let rate = pilot.cost_s / first.work;
+    eprintln!("pilot runs tell what a run costs");
+    let mut costs: Vec<Option<f64>> = vec![None; ways.len()];
+    costs[0] = Some(cost_of_pilots(first, lab, jobs)?);
+    let rate = costs[0].unwrap_or_default() / first.work;
     let simulated = first.pilot.run.speeds_rpm.len();
     let mut shortest: Option<f64> = None;
     for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
         let share = speeds as f64 / simulated as f64;
-        for way in ways {
-            let each = (way.work * rate * share).max(1e-3);
+        for (way, cost) in ways.iter().zip(&mut costs) {
             let anchors = way.anchors * rate * share;
             settings.fidelity = way.fidelity;
             settings.most_speeds = speeds;
-            settings.runs = Some(((time - anchors).max(0.0) / each) as usize);
-            match (CloseLoop { case, measured, lab, settings: &*settings }).planned() {
-                Ok(_) => {
+            let mut plan = |cost: f64| {
+                let each = (cost * share).max(1e-3);
+                settings.runs = Some(((time - anchors).max(0.0) / each) as usize);
+                (CloseLoop { case, measured, lab, settings: &*settings }).planned()
+            };
+            // What its particles cost by the first pilot; its own, with frames and filling, if that would do.
+            let mut planned = plan(cost.unwrap_or(way.work * rate));
+            if planned.is_ok() && cost.is_none() {
+                let own = cost_of_pilots(way, lab, jobs)?;
+                *cost = Some(own);
+                planned = plan(own);
+            }
+            let each = cost.unwrap_or(way.work * rate) * share;
+            match planned {
+                Ok(runs) => {
                     eprintln!("{}", told(way.fidelity, speeds, simulated));
-                    return Ok(());
+                    return Ok((runs as f64 * each + anchors) / jobs as f64);
                 }
                 Err(CloseLoopError::Budget { least, .. }) => {
                     let needed = (least as f64 * each + anchors) / (SIMULATING * jobs as f64);

@@ -118,12 +118,15 @@ fn by_runs(
     if args.case.is_none() && args.runs.is_none() && args.budget.is_none() {
         settings.runs = Some(EMBEDDED_RUNS);
     }
-    if let Some(budget) = args.budget {
-        budget::fit(args.jobs, budget, case, measured, &lab, &mut settings)?;
-    }
+    let fit = |budget| budget::fit(args.jobs, budget, case, measured, &lab, &mut settings);
+    let fitted = args.budget.map(fit).transpose()?;
     let this = CloseLoop { case, measured, lab: &lab, settings: &settings };
     let planned = this.planned()?;
-    let minutes = budget::expected(&this, planned, args.jobs)? / 60.0;
+    let expected = match fitted {
+        Some(seconds) => seconds,
+        None => budget::expected(&this, planned, args.jobs)?,
+    };
+    let minutes = expected / 60.0;
     eprintln!(
         "at most {planned} runs, {} at a time, about {minutes:.0} min; kept in {}",
         args.jobs,
