@@ -391,10 +391,7 @@ impl Search<'_> {
             return;
         }
         found.extend(marked.iter().map(|place| {
-            let other = order[(place & !TOUCHES) as usize];
-            let earlier = ids[own as usize] < ids[other as usize];
-            let (first, second) = if earlier { (own, other) } else { (other, own) };
-            Found { first, second, touching: place & TOUCHES != 0 }
+            Found::pair(ids, own, order[(place & !TOUCHES) as usize], place & TOUCHES != 0)
         }));
     }
 
@@ -411,8 +408,7 @@ impl Search<'_> {
     fn keep(&self, i: u32, j: u32, ids: &[u32], a: &Record, b: &Record, found: &mut Vec<Found>) {
         let near = (a.w + b.w + self.margin).powi(2);
         let touching = self.distance_squared(a, b) < near;
-        let (first, second) = if ids[i as usize] < ids[j as usize] { (i, j) } else { (j, i) };
-        found.push(Found { first, second, touching });
+        found.push(Found::pair(ids, i, j, touching));
     }
 
     /// Look at the spheres of two bodies: those of each that are in reach of the other as a whole.
@@ -421,10 +417,9 @@ impl Search<'_> {
         let own = |body: u32| m.first[body as usize]..m.first[body as usize + 1];
         let whole = |body: u32| &self.bodies.position[body as usize];
         let (first, second) = (own(i), own(j));
-        let near = |t: u32| self.in_reach(&m.position[t as usize], whole(i));
         // Of the first 64; those beyond are looked at in any case.
-        let marks = second.clone().take(64).fold((0u64, 1u64), |(marks, bit), t| {
-            (if near(t) { marks | bit } else { marks }, bit << 1)
+        let marks = second.clone().take(64).enumerate().fold(0u64, |marks, (k, t)| {
+            marks | u64::from(self.in_reach(&m.position[t as usize], whole(i))) << k
         });
         for s in first {
             let a = &m.position[s as usize];
@@ -437,7 +432,7 @@ impl Search<'_> {
                     self.keep(s, t, &m.id, a, b, found);
                 }
             };
-            let mut left = marks.0;
+            let mut left = marks;
             while left != 0 {
                 look(second.start + left.trailing_zeros());
                 left &= left - 1;

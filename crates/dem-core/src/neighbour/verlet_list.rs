@@ -53,6 +53,15 @@ pub(crate) struct Found {
     pub(crate) touching: bool,
 }
 
+impl Found {
+    /// Spheres `i` and `j` in the order of their names, `ids` by place.
+    #[inline(always)]
+    pub(crate) fn pair(ids: &[u32], i: u32, j: u32, touching: bool) -> Self {
+        let (first, second) = if ids[i as usize] < ids[j as usize] { (i, j) } else { (j, i) };
+        Self { first, second, touching }
+    }
+}
+
 impl PairList {
     pub(crate) fn near(&self) -> std::ops::Range<usize> {
         self.near_begin..self.first.len()

@@ -130,12 +130,6 @@ impl Numbers for Wide {
     fn select(self, mask: u8, other: Self) -> Self {
         Self(unsafe { _mm512_mask_blend_pd(mask, other.0, self.0) })
     }
-    #[inline(always)]
-    fn map(self, f: fn(f64) -> f64) -> Self {
-        let mut each = [0.0; 8];
-        self.store(&mut each);
-        Self::load(&each.map(f))
-    }
 }
 
 // SAFETY: as above.
@@ -294,12 +288,6 @@ impl Numbers for Pair {
                 _mm256_blendv_pd(other.1, self.1, mask4(mask >> 4)),
             )
         }
-    }
-    #[inline(always)]
-    fn map(self, f: fn(f64) -> f64) -> Self {
-        let mut each = [0.0; 8];
-        self.store(&mut each);
-        Self::load(&each.map(f))
     }
 }
 

@@ -190,10 +190,6 @@ impl<V: Lanes> Numbers for Two<V> {
     fn select(self, mask: TwoBits, o: Self) -> Self {
         Self(self.0.select(mask.0, o.0), self.1.select(mask.1, o.1))
     }
-    #[inline(always)]
-    fn map(self, f: fn(f64) -> f64) -> Self {
-        Self(self.0.map(f), self.1.map(f))
-    }
 }
 
 /// The fields of two blocks, field by field.

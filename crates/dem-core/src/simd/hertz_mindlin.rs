@@ -193,7 +193,7 @@ fn root<V: Numbers, const FAST: bool>(x: V) -> V {
 /// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
 /// matter.
 #[inline(always)]
-fn small_sin_cos<V: Numbers>(x: V, used: V::Mask) -> (V, V) {
+fn small_sin_cos<V: Blocks>(x: V, used: V::Mask) -> (V, V) {
     let one = V::splat(1.0);
     let x2 = x * x;
     // Not by `map`: its closure would not be compiled for the instructions of the kernel.
@@ -209,8 +209,10 @@ fn small_sin_cos<V: Numbers>(x: V, used: V::Mask) -> (V, V) {
 
 /// The lanes of large twists by the library's functions.
 #[cold]
-fn large_sin_cos<V: Numbers>(x: V, sin: V, cos: V, large: V::Mask) -> (V, V) {
-    (x.map(f64::sin).select(large, sin), x.map(f64::cos).select(large, cos))
+fn large_sin_cos<V: Blocks>(x: V, sin: V, cos: V, large: V::Mask) -> (V, V) {
+    let each = x.each();
+    let (sines, cosines) = (V::of(|b, l| each[b][l].sin()), V::of(|b, l| each[b][l].cos()));
+    (sines.select(large, sin), cosines.select(large, cos))
 }
 
 /// Simplified JKR.
@@ -231,7 +233,7 @@ fn pull<V: Numbers>(m: &Motion<V>, energy_density: V, d: V) -> V {
 
 /// The laws; `cohesive` tells whether any of them pulls.
 #[inline(always)]
-pub(super) fn respond<V: Numbers, const FAST: bool>(
+pub(super) fn respond<V: Blocks, const FAST: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
     cohesive: bool,
@@ -390,6 +392,7 @@ impl PairKernel<'_> {
         let (torque_first, _) = run.torque_first.as_chunks_mut::<8>();
         let (torque_second, _) = run.torque_second.as_chunks_mut::<8>();
         let laws = Laws::splat(&self.constants[0]);
+        // Not known to the compiler: it would take the exchanges of `scatter` apart for the sake of a zero.
         let nothing = std::hint::black_box(0.0);
         while done + V::COUNT <= active.len() {
             let these = done..done + V::COUNT;
@@ -556,7 +559,6 @@ fn load_memory<V: Blocks>(memory: &[[f64; 8 * SLOTS]]) -> (V3<V>, V) {
 
 #[inline(always)]
 fn store<V: Blocks>(b: &mut Block<'_>, touching: V::Mask, out: &Out<V>, nothing: f64) {
-    // Not known to the compiler: it would take the exchanges of `scatter` apart for the sake of a zero.
     let zero = V::splat(nothing);
     let none = V3::splat(0.0);
     let spring = out.spring.select(touching, none);
@@ -564,10 +566,12 @@ fn store<V: Blocks>(b: &mut Block<'_>, touching: V::Mask, out: &Out<V>, nothing:
     spring.y.store_slot(b.memory, 1);
     spring.z.store_slot(b.memory, 2);
     out.stiffness.select(touching, zero).store_slot(b.memory, 3);
-    let v = out.force.select(touching, none);
-    V::scatter([v.x, v.y, v.z, zero], b.force);
-    let v = out.torque_i.select(touching, none);
-    V::scatter([v.x, v.y, v.z, zero], b.torque_first);
-    let v = out.torque_j.select(touching, none);
-    V::scatter([v.x, v.y, v.z, zero], b.torque_second);
+    for (v, to) in [
+        (out.force, &mut *b.force),
+        (out.torque_i, &mut *b.torque_first),
+        (out.torque_j, &mut *b.torque_second),
+    ] {
+        let v = v.select(touching, none);
+        V::scatter([v.x, v.y, v.z, zero], to);
+    }
 }

@@ -29,8 +29,6 @@ pub(super) trait Numbers:
     fn less(self, other: Self) -> Self::Mask;
     /// `self` in the lanes of `mask`, `other` elsewhere.
     fn select(self, mask: Self::Mask, other: Self) -> Self;
-    /// A function of every lane, one after the other.
-    fn map(self, f: fn(f64) -> f64) -> Self;
 }
 
 /// Bits of lanes.

@@ -117,9 +117,10 @@ pub(super) fn fit(
     let ways = &ways[from..];
     let first = &ways[0];
     eprintln!("pilot runs tell what a run costs");
+    let cost_of_first = cost_of_pilots(first, lab, jobs)?;
+    let rate = cost_of_first / first.work;
     let mut costs: Vec<Option<f64>> = vec![None; ways.len()];
-    costs[0] = Some(cost_of_pilots(first, lab, jobs)?);
-    let rate = costs[0].unwrap_or_default() / first.work;
+    costs[0] = Some(cost_of_first);
     let simulated = first.pilot.run.speeds_rpm.len();
     let mut shortest: Option<f64> = None;
     for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
@@ -128,19 +129,20 @@ pub(super) fn fit(
             let anchors = way.anchors * rate * share;
             settings.fidelity = way.fidelity;
             settings.most_speeds = speeds;
-            let mut plan = |cost: f64| {
-                let each = (cost * share).max(1e-3);
+            let mut plan = |each: f64| {
                 settings.runs = Some(((time - anchors).max(0.0) / each) as usize);
                 (CloseLoop { case, measured, lab, settings: &*settings }).planned()
             };
             // What its particles cost by the first pilot; its own, with frames and filling, if that would do.
-            let mut planned = plan(cost.unwrap_or(way.work * rate));
+            let part = |cost: f64| (cost * share).max(1e-3);
+            let mut each = part(cost.unwrap_or(way.work * rate));
+            let mut planned = plan(each);
             if planned.is_ok() && cost.is_none() {
                 let own = cost_of_pilots(way, lab, jobs)?;
                 *cost = Some(own);
-                planned = plan(own);
+                each = part(own);
+                planned = plan(each);
             }
-            let each = cost.unwrap_or(way.work * rate) * share;
             match planned {
                 Ok(runs) => {
                     eprintln!("{}", told(way.fidelity, speeds, simulated));
