@@ -45,11 +45,12 @@ pub struct Progress {
     pub turns: f64,
     /// Direction of the centre of mass from the vertical now, degrees.
     pub angle_deg: f64,
-    /// Frames complete at this speed.
+    /// Frames at hand at this speed.
     pub frames_done: usize,
     /// Frames wanted at each speed.
     pub frames: usize,
-    /// Whether a frame has just become complete.
+    /// Whether a frame has just become complete; those of an approach that turns out not to have
+    /// been steady yet are left out of [`Sampled::frames`].
     pub new_frame: bool,
     /// Steps done.
     pub steps: u64,
@@ -188,7 +189,7 @@ impl Experiment {
         mut progress: impl FnMut(&Self, &Progress) -> Flow,
     ) -> Result<Outcome, Error> {
         while self.script.phase != Phase::Done {
-            let frames = self.complete_frames();
+            let frames = self.frames_taken();
             match self.script.phase {
                 Phase::Settling => self.settle()?,
                 Phase::Approaching => self.approach()?,
@@ -196,7 +197,7 @@ impl Experiment {
                 Phase::Done => {}
             }
             let mut report = self.progress();
-            report.new_frame = self.complete_frames() > frames;
+            report.new_frame = self.frames_taken() > frames;
             if progress(self, &report) == Flow::Stop && self.script.phase != Phase::Done {
                 return Ok(Outcome::Stopped);
             }
@@ -243,17 +244,18 @@ impl Experiment {
         Ok(())
     }
 
+    /// Go on by one instant, and see at each monitoring whether the motion has become steady.
+    ///
+    /// Frames are taken meanwhile: those of the windows that turn out to be steady count.
     fn approach(&mut self) -> Result<(), Error> {
         let stage = self.stages[self.script.speed()];
         self.damp_the_start(&stage)?;
-        self.assembly.engine.run(stage.monitor)?;
-        self.monitor()?;
-        let step = self.step();
+        let monitored = self.advance(&stage)?;
         let radius = self.assembly.radius;
         let Some(record) = self.script.records.last_mut() else { return Ok(()) };
         let n = record.series.torque.len();
         let tested = n >= stage.lead + 2 * WINDOW && (n - stage.lead).is_multiple_of(BETWEEN_TESTS);
-        if !tested {
+        if !monitored || !tested {
             return Ok(());
         }
         // A tenth of a percent of the radius, half a percent of the torque: below what frames show.
@@ -269,9 +271,10 @@ impl Experiment {
         });
         if compared.iter().all(Comparison::is_stationary) {
             record.steady = (n - 2 * WINDOW) as u64;
-            record.sampling = step;
+            let transient = stage.frames_begun_before(record.steady * stage.monitor);
+            record.leave_out(transient.saturating_sub(record.left_out) as usize);
             self.script.phase = Phase::Sampling;
-            return Ok(());
+            return self.end_speed(&stage);
         }
         if n >= stage.patience {
             let worst = compared.iter().max_by(|a, b| a.sigmas.total_cmp(&b.sigmas));
@@ -303,66 +306,63 @@ impl Experiment {
         Ok(self.assembly.engine.set_drag(drag)?)
     }
 
-    /// Go on to the next monitoring or instant of a frame, whichever comes first.
+    /// Go on to the next instant, and see whether all frames are there.
     fn sample(&mut self) -> Result<(), Error> {
         let stage = self.stages[self.script.speed()];
-        let now = self.step();
-        let Some(record) = self.script.records.last() else { return Ok(()) };
-        let next_monitor =
-            ((now - record.begun) / stage.monitor + 1) * stage.monitor + record.begun;
-        let due = |frames: &[Frame]| {
-            let last = frames.last().filter(|f| f.exposures.len() < stage.sub_frames);
-            let (frame, sub) = match last {
-                Some(f) => (frames.len() - 1, f.exposures.len()),
-                None => (frames.len(), 0),
-            };
-            record.sampling + stage.instant(frame, sub)
-        };
-        let next = due(&record.frames).min(next_monitor);
-        self.assembly.engine.run(next.saturating_sub(now))?;
-        if self.step() == next_monitor {
-            self.monitor()?;
-        }
-        loop {
-            let Some(record) = self.script.records.last() else { return Ok(()) };
-            let frames = &record.frames;
-            let open = frames.last().filter(|f| f.exposures.len() < stage.sub_frames);
-            let (frame, sub) = match open {
-                Some(f) => (frames.len() - 1, f.exposures.len()),
-                None => (frames.len(), 0),
-            };
-            if frame == stage.frames || record.sampling + stage.instant(frame, sub) > self.step() {
-                break;
-            }
-            self.expose(frame, &stage);
-        }
-        let done = self.script.records.last().is_some_and(|r| {
-            r.frames.len() == stage.frames
-                && r.frames.last().is_none_or(|f| f.exposures.len() == stage.sub_frames)
-        });
-        if done {
-            let step = self.step();
-            if let Some(record) = self.script.records.last_mut() {
-                record.ended = step;
-            }
-            self.take_up_speed()?;
-        }
-        Ok(())
+        self.advance(&stage)?;
+        self.end_speed(&stage)
     }
 
-    fn expose(&mut self, frame: usize, stage: &Stage) {
+    /// Take up the next speed if this one has all its frames.
+    fn end_speed(&mut self, stage: &Stage) -> Result<(), Error> {
+        let step = self.step();
+        let Some(record) = self.script.records.last_mut() else { return Ok(()) };
+        if record.complete(stage.sub_frames) < stage.frames {
+            return Ok(());
+        }
+        record.close_with(stage.frames);
+        record.ended = step;
+        self.take_up_speed()
+    }
+
+    /// Go on to the next monitoring or instant of a frame, whichever comes first; whether it was a
+    /// monitoring.
+    fn advance(&mut self, stage: &Stage) -> Result<bool, Error> {
+        let now = self.step();
+        let Some(record) = self.script.records.last() else { return Ok(false) };
+        let next_monitor =
+            ((now - record.begun) / stage.monitor + 1) * stage.monitor + record.begun;
+        let next = stage.due(record).min(next_monitor);
+        self.assembly.engine.run(next.saturating_sub(now))?;
+        let monitored = self.step() == next_monitor;
+        if monitored {
+            self.monitor()?;
+        }
+        while self.script.records.last().is_some_and(|r| stage.due(r) <= self.step()) {
+            self.expose(stage);
+        }
+        Ok(monitored)
+    }
+
+    fn expose(&mut self, stage: &Stage) {
         let exposure = self.exposure();
         let (pairs, walls) = self.coordination();
+        let dt = self.assembly.dt;
         let Some(record) = self.script.records.last_mut() else { return };
-        if record.frames.len() == frame {
-            let from = record.sampling + stage.instant(frame, 0);
-            let to = record.sampling + stage.instant(frame, stage.sub_frames - 1);
-            let time_s = 0.5 * (from + to) as f64 * self.assembly.dt;
+        let (number, sub) = record.next_instant(stage.sub_frames);
+        if sub == 0 {
+            let ends = [0, stage.sub_frames - 1].map(|sub| stage.instant(number, sub));
+            let time_s = 0.5 * (2 * record.begun + ends[0] + ends[1]) as f64 * dt;
             record.frames.push(Frame { time_s, exposures: Vec::new() });
             record.coordination.push(pairs);
             record.wall_contacts.push(walls);
         }
-        record.frames[frame].exposures.push(exposure);
+        if let Some(frame) = record.frames.last_mut() {
+            frame.exposures.push(exposure);
+        }
+        // No more than are wanted are kept while the motion is not steady yet.
+        let surplus = record.complete(stage.sub_frames).saturating_sub(stage.frames);
+        record.leave_out(surplus);
     }
 
     fn monitor(&mut self) -> Result<(), Error> {
@@ -508,18 +508,13 @@ impl Experiment {
         let index = self.script.speed();
         let stage = &self.stages[index];
         let record = self.script.records.last();
-        let complete =
-            |r: &Record| r.frames.iter().filter(|f| f.exposures.len() == stage.sub_frames).count();
         let done = match record {
             Some(_) if self.script.phase == Phase::Done => stage.least_steps(),
-            Some(r) => {
-                let since = self.step() - r.begun;
-                let before = stage.least_steps() - stage.frames as u64 * stage.frame;
-                match self.script.phase {
-                    Phase::Sampling => before + (self.step() - r.sampling),
-                    _ => since.min(before),
-                }
+            Some(r) if self.script.phase == Phase::Sampling => {
+                let missing = stage.frames.saturating_sub(r.complete(stage.sub_frames)) as u64;
+                stage.least_steps().saturating_sub(missing * stage.frame)
             }
+            Some(r) => (self.step() - r.begun).min(stage.least_steps()),
             None => 0,
         };
         let all: u64 = self.stages[index..].iter().map(Stage::least_steps).sum();
@@ -531,7 +526,7 @@ impl Experiment {
             time_s: self.time(),
             turns: self.turns(),
             angle_deg: angle_deg(self.centre_of_mass()),
-            frames_done: record.map_or(0, complete),
+            frames_done: record.map_or(0, |r| r.complete(stage.sub_frames)),
             frames: stage.frames,
             new_frame: false,
             steps: self.step(),
@@ -539,11 +534,10 @@ impl Experiment {
         }
     }
 
-    /// Frames that are complete, at all speeds together.
-    fn complete_frames(&self) -> usize {
+    /// Frames that have been complete so far, at all speeds together.
+    fn frames_taken(&self) -> u64 {
         let speeds = self.script.records.iter().zip(&self.stages);
-        let complete = |s: &Stage, f: &&Frame| f.exposures.len() == s.sub_frames;
-        speeds.map(|(r, s)| r.frames.iter().filter(|f| complete(s, f)).count()).sum()
+        speeds.map(|(r, s)| r.left_out + r.complete(s.sub_frames) as u64).sum()
     }
 
     /// The speeds that are done, in ascending order.

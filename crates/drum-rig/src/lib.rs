@@ -2,8 +2,9 @@
 //! sample.
 //!
 //! An [`Experiment`] takes a [`rig_schema::Rig`], builds its drum and particles, and runs its
-//! speeds in ascending order. Each is held until drum torque and centre of mass are stationary;
-//! then frames of positions are taken, and the mechanical responses with errors that know of
+//! speeds in ascending order. Each is held until drum torque and centre of mass are stationary
+//! over two windows. Frames of positions are taken meanwhile: those of these windows count, and more
+//! are taken where they are too few. Mechanical responses come with errors that know of
 //! autocorrelation. Every physics parameter of the namespace acts on the world, or is an error.
 //!
 //! The drum's axis is z through the origin, y is up; the drum turns counter-clockwise as seen from

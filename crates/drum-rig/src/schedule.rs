@@ -1,6 +1,7 @@
 //! Step numbers of a run: windows, monitoring, frames.
 
 use crate::options::Options;
+use crate::script::Record;
 
 /// Monitorings in one window of the stationarity test.
 pub(crate) const WINDOW: usize = 128;
@@ -68,15 +69,32 @@ impl Stage {
         }
     }
 
-    /// Steps from the start of sampling to instant `sub` of frame `frame`: sub-frames stand in the
-    /// middle of equal parts of the exposure.
-    pub(crate) fn instant(&self, frame: usize, sub: usize) -> u64 {
+    /// Steps from the start of this speed to instant `sub` of frame `number`, counted from the first
+    /// after the lead: sub-frames stand in the middle of equal parts of the exposure.
+    pub(crate) fn instant(&self, number: u64, sub: usize) -> u64 {
         let within = (sub as f64 + 0.5) / self.sub_frames as f64 * self.exposure as f64;
-        (frame as u64 + 1) * self.frame - self.exposure + within as u64
+        self.opening(number) + within as u64
     }
 
-    /// Fewest steps that this speed takes.
+    /// Steps from the start of this speed to the opening of the shutter for frame `number`.
+    fn opening(&self, number: u64) -> u64 {
+        self.lead as u64 * self.monitor + (number + 1) * self.frame - self.exposure
+    }
+
+    /// Step at which the next exposure of a record is due.
+    pub(crate) fn due(&self, record: &Record) -> u64 {
+        let (number, sub) = record.next_instant(self.sub_frames);
+        record.begun + self.instant(number, sub)
+    }
+
+    /// Frames that began earlier than so many steps after the start of this speed.
+    pub(crate) fn frames_begun_before(&self, steps: u64) -> u64 {
+        steps.saturating_sub(self.opening(0)).div_ceil(self.frame)
+    }
+
+    /// Fewest steps that this speed takes: frames are taken within the windows as well.
     pub(crate) fn least_steps(&self) -> u64 {
-        (self.lead + 2 * WINDOW) as u64 * self.monitor + self.frames as u64 * self.frame
+        let windows = 2 * WINDOW as u64 * self.monitor;
+        self.lead as u64 * self.monitor + windows.max(self.frames as u64 * self.frame)
     }
 }

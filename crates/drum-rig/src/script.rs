@@ -9,9 +9,9 @@ use crate::frame::{Exposure, Frame};
 pub enum Phase {
     /// The bed comes to rest in the standing drum.
     Settling,
-    /// The drum turns; the motion is not steady yet.
+    /// The drum turns; the motion is not known to be steady yet.
     Approaching,
-    /// Frames are taken.
+    /// The motion is steady; the frames that are still missing are taken.
     Sampling,
     /// All speeds are done.
     Done,
@@ -34,14 +34,45 @@ pub(crate) struct Record {
     pub(crate) begun: u64,
     /// Number of the first steady monitoring.
     pub(crate) steady: u64,
-    /// Step at which sampling began.
-    pub(crate) sampling: u64,
+    /// Frames that were taken before those below and left out.
+    pub(crate) left_out: u64,
     /// Step at which the last frame was complete.
     pub(crate) ended: u64,
     pub(crate) series: Series,
     pub(crate) frames: Vec<Frame>,
     pub(crate) coordination: Vec<f64>,
     pub(crate) wall_contacts: Vec<f64>,
+}
+
+impl Record {
+    /// Frames that have all their exposures.
+    pub(crate) fn complete(&self, sub_frames: usize) -> usize {
+        let open = self.frames.last().is_some_and(|f| f.exposures.len() < sub_frames);
+        self.frames.len() - usize::from(open)
+    }
+
+    /// Number of the frame that is exposed next, counted from the first taken, and of the exposure.
+    pub(crate) fn next_instant(&self, sub_frames: usize) -> (u64, usize) {
+        let complete = self.complete(sub_frames);
+        let sub = self.frames.get(complete).map_or(0, |f| f.exposures.len());
+        (self.left_out + complete as u64, sub)
+    }
+
+    /// Leave out the first `count` frames, or all.
+    pub(crate) fn leave_out(&mut self, count: usize) {
+        let count = count.min(self.frames.len());
+        self.left_out += count as u64;
+        self.frames.drain(..count);
+        self.coordination.drain(..count);
+        self.wall_contacts.drain(..count);
+    }
+
+    /// Forget what was begun after the first `count` frames.
+    pub(crate) fn close_with(&mut self, count: usize) {
+        self.frames.truncate(count);
+        self.coordination.truncate(count);
+        self.wall_contacts.truncate(count);
+    }
 }
 
 /// Where the run stands.
@@ -81,7 +112,7 @@ macro_rules! stored {
 stored!(Series { torque, x, y, z, angle_deg });
 stored!(Exposure { time_s, positions, orientations });
 stored!(Frame { time_s, exposures });
-stored!(Record { begun, steady, sampling, ended, series, frames, coordination, wall_contacts });
+stored!(Record { begun, steady, left_out, ended, series, frames, coordination, wall_contacts });
 stored!(Script { phase, records, started });
 
 const PHASES: [Phase; 4] = [Phase::Settling, Phase::Approaching, Phase::Sampling, Phase::Done];

@@ -94,13 +94,36 @@ fn another_seed_gives_another_bed() {
 #[test]
 fn every_frame_is_announced_once_at_every_speed() {
     let mut drum = Experiment::new(&rig(), &options(1)).unwrap();
-    let mut announced = 0;
-    drum.run(|_, p| {
-        announced += usize::from(p.new_frame);
+    let mut announced = Vec::new();
+    drum.run(|drum, p| {
+        announced.extend(p.new_frame.then(|| drum.time()));
         Flow::Go
     })
     .unwrap();
-    let taken: usize = drum.sampled().iter().map(|s| s.frames.len()).sum();
-    assert_eq!(announced, taken);
-    assert_eq!(taken, 2 * rig().run.frames as usize);
+    let sampled = drum.sampled();
+    assert_eq!(sampled.len(), 2);
+    for speed in &sampled {
+        assert_eq!(speed.frames.len(), rig().run.frames as usize);
+        for frame in &speed.frames {
+            // The exposures lie in the middle of three parts of 20 ms: the last is 6.7 ms after.
+            let closes = frame.exposures[2].time_s;
+            assert_eq!(announced.iter().filter(|t| **t == closes).count(), 1, "{closes}");
+        }
+    }
+}
+
+#[test]
+fn frames_are_those_of_the_steady_windows_and_evenly_spaced() {
+    let (_, sampled) = finished(&rig(), &options(1));
+    for speed in &sampled {
+        let opens = |k: usize| speed.frames[k].time_s - 0.01;
+        let late = opens(0) - speed.steady_from_s;
+        // The first one opens within one interval of the start of the steady state, unless more than are
+        // wanted fit into its windows.
+        assert!(late > -1e-9, "{late}");
+        let step = 0.05;
+        for k in 1..speed.frames.len() {
+            assert!((opens(k) - opens(k - 1) - step).abs() < 1e-3, "{k}");
+        }
+    }
 }
