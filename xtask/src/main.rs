@@ -40,9 +40,15 @@ enum Task {
         /// Instead: one of these drums with one thing changed at a time: docs/src/own-dem-variants.md.
         #[arg(long, conflicts_with = "dem")]
         variants: bool,
+        /// Instead: the measured beads calibrated by our own runs: docs/src/own-dem-calibration.md.
+        #[arg(long, conflicts_with_all = ["dem", "variants"])]
+        own: bool,
         /// With --dem: configurations.
         #[arg(requires = "dem", default_values_t = ["AZ1".to_owned(), "AZ2".to_owned()])]
         configurations: Vec<String>,
+        /// With --dem: settings between those of Table 8, and walls down to 0.1, as well.
+        #[arg(long, requires = "dem")]
+        between: bool,
         /// With --dem and --variants: simulations at a time.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
@@ -80,8 +86,9 @@ fn main() -> ExitCode {
     let done = match Xtask::parse().task {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
-        Task::Reproduce { dem: true, configurations, jobs, .. } => {
-            reproduce::dem::run(&configurations, jobs)
+        Task::Reproduce { own: true, .. } => reproduce::own::run(),
+        Task::Reproduce { dem: true, configurations, between, jobs, .. } => {
+            reproduce::dem::run(&configurations, between, jobs)
         }
         Task::Reproduce { variants: true, jobs, .. } => reproduce::variants::run(jobs),
         Task::Reproduce { json, .. } => reproduce::run(json),

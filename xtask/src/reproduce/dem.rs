@@ -1,28 +1,23 @@
 //! The thesis's simulations by Tumble's own solver, beside its printed tables.
 //!
-//! Nine drums a configuration, each through the three speeds of Table 8, are a campaign in
-//! `target/reproduce`: killed at any moment, the same call goes on. The printed tables were made with
+//! Nine drums a configuration, each through the three speeds of Table 8. The printed tables were made with
 //! EDEM and read from its pictures, so the film is read by that definition of the angles.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
-use close_loop::campaign::plan::{
-    Campaign, Event, Freeze, Manifest, RowOutcome, RowState, RunOptions,
-};
 use rig_schema::{ErrataLevel, Response, SimulatedTable};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::{fixture, tables};
+use super::campaigns::{Design, OwnRow, Reading, keep, simulate};
+use super::{tables, write};
 
 /// Largest root mean square error aimed at, deg, deg, % R, % R.
 const TARGET: [f64; 4] = [1.0, 1.5, 1.0, 1.0];
 
 /// One setting, simulated here and by EDEM.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Setting {
     omega_rpm: f64,
     mu_wall: f64,
@@ -34,7 +29,7 @@ struct Setting {
 }
 
 /// How one response agrees over all settings.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Agreement {
     /// Mean of ours less EDEM's.
     bias: f64,
@@ -48,7 +43,7 @@ struct Agreement {
     error: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Comparison {
     table: String,
     settings: Vec<Setting>,
@@ -57,78 +52,46 @@ struct Comparison {
 
 type Key = (i64, i64, i64);
 
-/// Responses and their standard errors by setting.
-type BySetting = BTreeMap<Key, ([f64; 4], [f64; 4])>;
+/// Readings by setting.
+type BySetting = BTreeMap<Key, Reading>;
 
 fn key(omega: f64, wall: f64, pp: f64) -> Key {
     let k = |x: f64| (1e3 * x).round() as i64;
     (k(omega), k(wall), k(pp))
 }
 
-/// Simulate what is not there yet, compare, and write docs/src/own-dem.md and docs/own-dem.json.
-pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
-    let root = crate::root();
-    let mut all = Vec::new();
+/// Simulate what is not there yet, compare, and write docs/src/own-dem.md, docs/own-dem.json and the tables
+/// of responses; configurations that are not asked for stay as they were last written.
+pub(crate) fn run(configs: &[String], between: bool, jobs: usize) -> anyhow::Result<()> {
+    let docs = crate::root().join("docs");
+    let kept = docs.join("own-dem.json");
+    let mut all: Vec<Comparison> = match std::fs::read_to_string(&kept) {
+        Ok(text) => serde_json::from_str(&text).with_context(|| kept.display().to_string())?,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+        Err(e) => return Err(e).with_context(|| kept.display().to_string()),
+    };
     for config in configs {
-        let ours = simulated(config, &folder(config), jobs)?;
+        let ours = simulate(config, Design::Table8, jobs)?;
+        let by = |r: &OwnRow| (key(r.omega_rpm, r.mu_wall, r.mu_pp), r.edem);
+        let ours: BySetting = ours.iter().map(by).collect();
         for wall in ["Plexi", "Steel"] {
             let name = format!("{config}_{wall}");
             let (_, _, edem) = tables(&name, ErrataLevel::Likely)?;
-            all.push(compare(&name, &ours, &edem)?);
+            let compared = compare(&name, &ours, &edem)?;
+            all.retain(|c| c.table != name);
+            all.push(compared);
+        }
+        all.sort_by(|a, b| a.table.cmp(&b.table));
+        write(&docs.join("src/own-dem.md"), &page(&all))?;
+        write(&kept, &serde_json::to_string_pretty(&all)?)?;
+        keep(config)?;
+        if between {
+            simulate(config, Design::Between, jobs)?;
+            keep(config)?;
         }
     }
-    let docs = root.join("docs");
-    write(&docs.join("src/own-dem.md"), &page(&all))?;
-    write(&docs.join("own-dem.json"), &serde_json::to_string_pretty(&all)?)?;
     println!("{}", summary(&all));
     Ok(())
-}
-
-fn folder(config: &str) -> PathBuf {
-    crate::root().join("target/reproduce").join(config.to_lowercase())
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    let staged = path.with_extension("tmp");
-    std::fs::write(&staged, text).with_context(|| staged.display().to_string())?;
-    Ok(std::fs::rename(&staged, path)?)
-}
-
-/// Responses and their standard errors by setting.
-fn simulated(config: &str, folder: &Path, jobs: usize) -> anyhow::Result<BySetting> {
-    let file = format!("thesis/plans/{}.toml", config.to_lowercase());
-    let manifest = Manifest::freeze(&file, fixture(&file)?, &Freeze::default())?;
-    let campaign = Campaign::begin(folder, manifest)?;
-    let how = RunOptions { jobs, ..RunOptions::default() };
-    campaign.run(&how, &AtomicBool::new(false), |event| match event {
-        Event::Started { index, resumed } => {
-            eprintln!("{config}: run {index} {}", if *resumed { "goes on" } else { "begins" });
-        }
-        Event::Ended { index, failure, effort } => match failure {
-            Some(f) => eprintln!("{config}: run {index} failed: {}", f.reason),
-            None => eprintln!("{config}: run {index} took {:.0} s", effort.wall_s),
-        },
-        Event::Progress { .. } | Event::Stopped { .. } => {}
-    })?;
-    campaign.collect()?;
-    let manifest = campaign.manifest();
-    let mut out = BTreeMap::new();
-    for row in manifest.rows() {
-        let RowState::Ended(result) = campaign.state(row)? else { continue };
-        let RowOutcome::Done(done) = result.outcome else { continue };
-        let value = |path: &str| {
-            let at = manifest.factors().iter().position(|f| f == path);
-            at.map_or(f64::NAN, |k| row.values[k])
-        };
-        let (wall, pp) = (value("friction.mantle"), value("friction.pp"));
-        for speed in &done.speeds {
-            let Some(seen) = speed.responses_edem else { continue };
-            let seen = seen.all();
-            let error = seen.map(|s| s.sd.unwrap_or(f64::NAN) / s.n_eff.unwrap_or(1.0).sqrt());
-            out.insert(key(speed.omega_rpm, wall, pp), (seen.map(|s| s.mean), error));
-        }
-    }
-    Ok(out)
 }
 
 fn compare(name: &str, ours: &BySetting, edem: &SimulatedTable) -> anyhow::Result<Comparison> {
@@ -140,15 +103,15 @@ fn compare(name: &str, ours: &BySetting, edem: &SimulatedTable) -> anyhow::Resul
     let mut settings = Vec::new();
     for row in &edem.rows {
         let (mu_wall, mu_pp) = (row.factors[wall], row.factors[pp]);
-        let Some((mean, error)) = ours.get(&key(row.omega_rpm, mu_wall, mu_pp)) else { continue };
+        let Some(seen) = ours.get(&key(row.omega_rpm, mu_wall, mu_pp)) else { continue };
         let four = row.cells.map(|c| c.map_or(f64::NAN, |c| c.mean));
         let omega_rpm = row.omega_rpm;
         settings.push(Setting {
             omega_rpm,
             mu_wall,
             mu_pp,
-            ours: *mean,
-            error: *error,
+            ours: seen.mean,
+            error: seen.error,
             edem: four,
         });
     }

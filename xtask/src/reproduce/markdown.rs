@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use super::Reproduction;
+use super::materials::Material;
 use super::ranges::Ours;
 
-fn open(value: Option<f64>) -> String {
+pub(super) fn open(value: Option<f64>) -> String {
     value.map_or_else(|| "open".to_owned(), |v| format!("{v:.2}"))
 }
 
@@ -99,35 +100,40 @@ fn ranges(s: &mut String, all: &Reproduction) {
 fn materials(s: &mut String, all: &Reproduction) {
     s.push_str("\n## One particle friction a material\n\nThe same particles on two walls and at two fills share one friction. Fitted on all four configurations; then on three, the fourth predicted.\n");
     for m in &all.materials {
+        material(s, m);
+    }
+}
+
+/// One friction for several configurations.
+pub(super) fn material(s: &mut String, m: &Material) {
+    let _ = writeln!(
+        s,
+        "\n### {}\n\nOne friction for all: {:.3} ({} to {}), chi-square {:.0} for {} degrees of freedom; p of the tie {:.1e}.\n\n| configuration | alone | cost of the tie |\n|---|---|---|",
+        m.name,
+        m.value,
+        open(m.lo),
+        open(m.hi),
+        m.chi2,
+        m.dof,
+        m.tie_p
+    );
+    for (name, alone, strain) in &m.members {
+        let _ = writeln!(s, "| {name} | {alone:.3} | {strain:.1} |");
+    }
+    s.push_str("\n| predicted | friction of the others | own best | chi-square | at own best | dof | rmse aor_lin, aor_mid (deg), cen_x, cen_y (% R) |\n|---|---|---|---|---|---|---|\n");
+    for w in &m.withheld {
+        let rmse: Vec<String> = w.rmse.iter().map(|(_, v)| format!("{v:.2}")).collect();
         let _ = writeln!(
             s,
-            "\n### {}\n\nOne friction for all: {:.3} ({} to {}), chi-square {:.0} for {} degrees of freedom; p of the tie {:.1e}.\n\n| configuration | alone | cost of the tie |\n|---|---|---|",
-            m.name,
-            m.value,
-            open(m.lo),
-            open(m.hi),
-            m.chi2,
-            m.dof,
-            m.tie_p
+            "| {} | {:.3} | {:.3} | {:.0} | {:.0} | {} | {} |",
+            w.config,
+            w.from_others,
+            w.own,
+            w.chi2,
+            w.own_chi2,
+            w.dof,
+            rmse.join(", ")
         );
-        for (name, alone, strain) in &m.members {
-            let _ = writeln!(s, "| {name} | {alone:.3} | {strain:.1} |");
-        }
-        s.push_str("\n| predicted | friction of the others | own best | chi-square | at own best | dof | rmse aor_lin, aor_mid (deg), cen_x, cen_y (% R) |\n|---|---|---|---|---|---|---|\n");
-        for w in &m.withheld {
-            let rmse: Vec<String> = w.rmse.iter().map(|(_, v)| format!("{v:.2}")).collect();
-            let _ = writeln!(
-                s,
-                "| {} | {:.3} | {:.3} | {:.0} | {:.0} | {} | {} |",
-                w.config,
-                w.from_others,
-                w.own,
-                w.chi2,
-                w.own_chi2,
-                w.dof,
-                rmse.join(", ")
-            );
-        }
     }
 }
 

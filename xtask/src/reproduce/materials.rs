@@ -1,7 +1,7 @@
 //! One particle friction a material: fitted on three of its four configurations, the fourth
 //! predicted.
 
-use calib::{JointMatch, Study};
+use calib::{JointMatch, Study, WithheldPrediction};
 use rig_schema::{ErrataLevel, Response};
 use serde::Serialize;
 
@@ -41,16 +41,20 @@ const MATERIALS: [(&str, [&str; 4]); 3] = [
 ];
 
 pub(crate) fn all() -> anyhow::Result<Vec<Material>> {
-    let mut materials = Vec::new();
-    for (name, configs) in MATERIALS {
-        let studies: Vec<Study> = configs
-            .iter()
-            .map(|c| study(c, ErrataLevel::Certain))
-            .collect::<anyhow::Result<_>>()?;
+    let of = |(name, configs): &(&'static str, [&str; 4])| {
+        let studies = configs.iter().map(|c| study(c, ErrataLevel::Certain));
+        Material::of(name, &studies.collect::<anyhow::Result<Vec<_>>>()?)
+    };
+    MATERIALS.iter().map(of).collect()
+}
+
+impl Material {
+    /// One friction for all of some studies, and for all but each in turn.
+    pub(crate) fn of(name: &'static str, studies: &[Study]) -> anyhow::Result<Self> {
         let members: Vec<_> = studies.iter().map(Study::member).collect();
         let joint = JointMatch::solve("friction.pp", &members)?;
         let withheld = JointMatch::withhold_each("friction.pp", &members)?;
-        materials.push(Material {
+        Ok(Self {
             name,
             value: joint.value,
             lo: joint.lo,
@@ -59,30 +63,26 @@ pub(crate) fn all() -> anyhow::Result<Vec<Material>> {
             dof: joint.goodness.dof,
             tie_p: joint.tie.p,
             members: joint.members.iter().map(|m| (m.name.clone(), m.alone, m.strain)).collect(),
-            withheld: withheld
-                .iter()
-                .map(|w| Withheld {
-                    config: w.name.clone(),
-                    from_others: w.value,
-                    own: w.own_value,
-                    chi2: w.goodness.chi2,
-                    own_chi2: w.own.chi2,
-                    dof: w.goodness.dof,
-                    rmse: Response::ALL
-                        .into_iter()
-                        .map(|r| {
-                            let d: Vec<f64> = w
-                                .residuals
-                                .iter()
-                                .filter(|x| x.response == r)
-                                .map(|x| (x.measured - x.model).powi(2))
-                                .collect();
-                            (r.column(), (d.iter().sum::<f64>() / d.len() as f64).sqrt())
-                        })
-                        .collect(),
-                })
-                .collect(),
-        });
+            withheld: withheld.iter().map(Withheld::of).collect(),
+        })
     }
-    Ok(materials)
+}
+
+impl Withheld {
+    fn of(w: &WithheldPrediction) -> Self {
+        let rmse = |r: Response| {
+            let of = w.residuals.iter().filter(|x| x.response == r);
+            let squares: Vec<f64> = of.map(|x| (x.measured - x.model).powi(2)).collect();
+            (r.column(), (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+        };
+        Self {
+            config: w.name.clone(),
+            from_others: w.value,
+            own: w.own_value,
+            chi2: w.goodness.chi2,
+            own_chi2: w.own.chi2,
+            dof: w.goodness.dof,
+            rmse: Response::ALL.into_iter().map(rmse).collect(),
+        }
+    }
 }

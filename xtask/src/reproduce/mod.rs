@@ -1,13 +1,16 @@
 //! Everything that the thesis's tables allow, computed anew beside what was printed.
 
+mod campaigns;
 pub(crate) mod dem;
 mod documents;
 mod markdown;
 mod materials;
+pub(crate) mod own;
 mod ranges;
 mod surrogates;
 pub(crate) mod variants;
 
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Context;
@@ -122,15 +125,9 @@ pub(crate) fn run(json: bool) -> anyhow::Result<()> {
         seconds,
     };
     let text = serde_json::to_string_pretty(&all)?;
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
-    std::fs::create_dir_all(&folder)?;
-    let page = markdown::page(&all);
-    for (name, text) in [("reproduction.md", &page), ("reproduction.json", &text)] {
-        let path = folder.join(name);
-        let staged = folder.join(format!("{name}.tmp"));
-        std::fs::write(&staged, text).with_context(|| staged.display().to_string())?;
-        std::fs::rename(&staged, &path)?;
-    }
+    let docs = crate::root().join("docs");
+    write(&docs.join("reproduction.md"), &markdown::page(&all))?;
+    write(&docs.join("reproduction.json"), &text)?;
     if json {
         println!("{text}");
     } else {
@@ -138,4 +135,14 @@ pub(crate) fn run(json: bool) -> anyhow::Result<()> {
         println!("docs/reproduction.md written in {seconds:.1} s");
     }
     Ok(())
+}
+
+/// Write a file whole or not at all.
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    let staged = path.with_extension("tmp");
+    std::fs::write(&staged, text).with_context(|| staged.display().to_string())?;
+    Ok(std::fs::rename(&staged, path)?)
 }

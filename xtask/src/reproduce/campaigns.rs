@@ -1,0 +1,161 @@
+//! The thesis's drums of beads by Tumble's own solver: campaigns in `target/reproduce`.
+//!
+//! A campaign that was killed goes on by the same call. What it shows is kept as a table of responses,
+//! `fixtures/own/CONFIG.csv`, by the photographs' definition of the angles.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context;
+use close_loop::campaign::plan::{
+    Campaign, Event, Freeze, Manifest, RowOutcome, RowState, RunOptions, Seen, SpeedResult,
+};
+use rig_schema::Response;
+
+use super::fixture;
+
+/// Which settings of a configuration are simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Design {
+    /// Those of Table 8: friction 0.1, 0.5, 0.9 between beads, 0.4, 0.6, 0.8 at walls.
+    Table8,
+    /// Levels that the thesis lacks: between those, and walls down to 0.1.
+    Between,
+}
+
+impl Design {
+    const ALL: [Self; 2] = [Self::Table8, Self::Between];
+    /// Lines of the plan with their values in the second design.
+    const BETWEEN: [(&str, &str); 2] = [
+        ("factors.friction.pp = [0.1, 0.5, 0.9]", "factors.friction.pp = [0.25, 0.7]"),
+        ("factors.friction.mantle = [0.4, 0.6, 0.8]", "factors.friction.mantle = [0.1, 0.5]"),
+    ];
+
+    fn folder(self, config: &str) -> PathBuf {
+        let suffix = if self == Self::Table8 { "" } else { "-between" };
+        crate::root().join(format!("target/reproduce/{}{suffix}", config.to_lowercase()))
+    }
+
+    fn manifest(self, config: &str) -> anyhow::Result<Manifest> {
+        let file = format!("thesis/plans/{}.toml", config.to_lowercase());
+        let mut text = fixture(&file)?.to_owned();
+        if self == Self::Between {
+            for (old, new) in Self::BETWEEN {
+                anyhow::ensure!(text.contains(old), "{file} has no line `{old}`");
+                text = text.replace(old, new);
+            }
+        }
+        Ok(Manifest::freeze(&file, &text, &Freeze::default())?)
+    }
+}
+
+/// Four responses, deg, deg, % R, % R.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reading {
+    pub(crate) mean: [f64; 4],
+    /// Standard deviation of frames.
+    pub(crate) sd: [f64; 4],
+    /// Standard error of the mean.
+    pub(crate) error: [f64; 4],
+}
+
+/// One setting at one speed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OwnRow {
+    pub(crate) omega_rpm: f64,
+    pub(crate) mu_wall: f64,
+    pub(crate) mu_pp: f64,
+    /// Angles as photographs are read.
+    pub(crate) photograph: Reading,
+    /// Angles as EDEM's pictures were read.
+    pub(crate) edem: Reading,
+}
+
+fn reading(seen: [Seen; 4]) -> Reading {
+    Reading {
+        mean: seen.map(|s| s.mean),
+        sd: seen.map(|s| s.sd.unwrap_or(f64::NAN)),
+        error: seen.map(|s| s.sd.unwrap_or(f64::NAN) / s.n_eff.unwrap_or(1.0).sqrt()),
+    }
+}
+
+/// Simulate what is not there yet of a design.
+pub(crate) fn simulate(config: &str, design: Design, jobs: usize) -> anyhow::Result<Vec<OwnRow>> {
+    let campaign = Campaign::begin(&design.folder(config), design.manifest(config)?)?;
+    let how = RunOptions { jobs, ..RunOptions::default() };
+    campaign.run(&how, &AtomicBool::new(false), |event| match event {
+        Event::Started { index, resumed } => {
+            eprintln!("{config}: run {index} {}", if *resumed { "goes on" } else { "begins" });
+        }
+        Event::Ended { index, failure, effort } => match failure {
+            Some(f) => eprintln!("{config}: run {index} failed: {}", f.reason),
+            None => eprintln!("{config}: run {index} took {:.0} s", effort.wall_s),
+        },
+        Event::Progress { .. } | Event::Stopped { .. } => {}
+    })?;
+    campaign.collect()?;
+    rows(&campaign)
+}
+
+/// The settings that are done.
+fn rows(campaign: &Campaign) -> anyhow::Result<Vec<OwnRow>> {
+    let manifest = campaign.manifest();
+    let place = |path: &str| {
+        let at = manifest.factors().iter().position(|f| f == path);
+        at.with_context(|| format!("the plan does not vary {path}"))
+    };
+    let (wall, pp) = (place("friction.mantle")?, place("friction.pp")?);
+    let mut out = Vec::new();
+    for row in manifest.rows() {
+        let RowState::Ended(result) = campaign.state(row)? else { continue };
+        let RowOutcome::Done(done) = result.outcome else { continue };
+        let seen = |s: &SpeedResult| Some((s.responses?.all(), s.responses_edem?.all()));
+        out.extend(done.speeds.iter().filter_map(|s| {
+            let (photograph, edem) = seen(s)?;
+            Some(OwnRow {
+                omega_rpm: s.omega_rpm,
+                mu_wall: row.values[wall],
+                mu_pp: row.values[pp],
+                photograph: reading(photograph),
+                edem: reading(edem),
+            })
+        }));
+    }
+    Ok(out)
+}
+
+/// Path of a configuration's table below `fixtures/`.
+pub(crate) fn table(config: &str) -> String {
+    format!("own/{config}.csv")
+}
+
+/// Write what both designs have shown so far as a table of responses.
+pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
+    let mut text = format!(
+        "# source: Tumble's own simulation of configuration {config}: `cargo xtask reproduce --dem {config} --between`;\n\
+         # angles as photographs are read, mean and standard deviation over the frames of one run\n\
+         run,omega_rpm,mu_wall,mu_pp"
+    );
+    for r in Response::ALL {
+        let column = r.column();
+        let stem = column.rsplit_once('_').map_or(column, |(stem, _)| stem);
+        let _ = write!(text, ",{column},{stem}_sd");
+    }
+    text.push('\n');
+    let mut run = 0;
+    for design in Design::ALL {
+        if !design.folder(config).join("manifest.json").exists() {
+            continue;
+        }
+        for row in rows(&Campaign::begin(&design.folder(config), design.manifest(config)?)?)? {
+            run += 1;
+            let _ = write!(text, "{run},{},{},{}", row.omega_rpm, row.mu_wall, row.mu_pp);
+            for r in 0..4 {
+                let _ = write!(text, ",{:.3},{:.3}", row.photograph.mean[r], row.photograph.sd[r]);
+            }
+            text.push('\n');
+        }
+    }
+    super::write(&crate::root().join("fixtures").join(table(config)), &text)
+}
