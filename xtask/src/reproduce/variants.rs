@@ -36,7 +36,8 @@ const VARIANTS: [Variant; 12] = [
     Variant {
         group: "end plates",
         name: "periodic",
-        lines: &[("ends = \"turning\"", "ends = \"periodic\"")],
+        // Constants of plates that are not there would be refused.
+        lines: &[("ends = \"turning\"", "ends = \"periodic\""), ("end_plate = 0.01", "")],
         set: &[],
         fillings: 2,
     },
