@@ -49,6 +49,9 @@ enum Task {
         /// With --dem: settings between those of Table 8, and walls down to 0.1, as well.
         #[arg(long, requires = "dem")]
         between: bool,
+        /// With --dem: Table 8's settings by the laws that EDEM documents as well.
+        #[arg(long, requires = "dem")]
+        edem_laws: bool,
         /// With --dem and --variants: simulations at a time.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
@@ -87,8 +90,9 @@ fn main() -> ExitCode {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
         Task::Reproduce { own: true, .. } => reproduce::own::run(),
-        Task::Reproduce { dem: true, configurations, between, jobs, .. } => {
-            reproduce::dem::run(&configurations, between, jobs)
+        Task::Reproduce { dem: true, configurations, between, edem_laws, jobs, .. } => {
+            let more = reproduce::dem::More { between, edem_laws };
+            reproduce::dem::run(&configurations, more, jobs)
         }
         Task::Reproduce { variants: true, jobs, .. } => reproduce::variants::run(jobs),
         Task::Reproduce { json, .. } => reproduce::run(json),

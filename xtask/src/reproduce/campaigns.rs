@@ -22,29 +22,50 @@ pub(crate) enum Design {
     Table8,
     /// Levels that the thesis lacks: between those, and walls down to 0.1.
     Between,
+    /// Those of Table 8 with friction 0.5 and 0.9 between beads, by the laws that EDEM documents: the
+    /// tangential spring as a whole with new stiffness, rolling torque against each bead's own spin.
+    EdemLaws,
 }
 
 impl Design {
-    const ALL: [Self; 2] = [Self::Table8, Self::Between];
-    /// Lines of the plan with their values in the second design.
-    const BETWEEN: [(&str, &str); 2] = [
-        ("factors.friction.pp = [0.1, 0.5, 0.9]", "factors.friction.pp = [0.25, 0.7]"),
-        ("factors.friction.mantle = [0.4, 0.6, 0.8]", "factors.friction.mantle = [0.1, 0.5]"),
-    ];
+    /// Those that make a table of responses.
+    const OF_TABLE: [Self; 2] = [Self::Table8, Self::Between];
+
+    /// Lines of the plan of Table 8 and what stands in their place.
+    const fn changes(self) -> &'static [(&'static str, &'static str)] {
+        const BEADS: &str = "factors.friction.pp = [0.1, 0.5, 0.9]";
+        match self {
+            Self::Table8 => &[],
+            Self::Between => &[
+                (BEADS, "factors.friction.pp = [0.25, 0.7]"),
+                (
+                    "factors.friction.mantle = [0.4, 0.6, 0.8]",
+                    "factors.friction.mantle = [0.1, 0.5]",
+                ),
+            ],
+            Self::EdemLaws => &[
+                (BEADS, "factors.friction.pp = [0.5, 0.9]"),
+                ("tangential = \"mindlin\"", "tangential = \"mindlin_total_spring\""),
+                ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
+            ],
+        }
+    }
 
     fn folder(self, config: &str) -> PathBuf {
-        let suffix = if self == Self::Table8 { "" } else { "-between" };
+        let suffix = match self {
+            Self::Table8 => "",
+            Self::Between => "-between",
+            Self::EdemLaws => "-edem-laws",
+        };
         crate::root().join(format!("target/reproduce/{}{suffix}", config.to_lowercase()))
     }
 
     fn manifest(self, config: &str) -> anyhow::Result<Manifest> {
         let file = format!("thesis/plans/{}.toml", config.to_lowercase());
         let mut text = fixture(&file)?.to_owned();
-        if self == Self::Between {
-            for (old, new) in Self::BETWEEN {
-                anyhow::ensure!(text.contains(old), "{file} has no line `{old}`");
-                text = text.replace(old, new);
-            }
+        for (old, new) in self.changes() {
+            anyhow::ensure!(text.contains(old), "{file} has no line `{old}`");
+            text = text.replace(old, new);
         }
         Ok(Manifest::freeze(&file, &text, &Freeze::default())?)
     }
@@ -144,7 +165,7 @@ pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
     }
     text.push('\n');
     let mut run = 0;
-    for design in Design::ALL {
+    for design in Design::OF_TABLE {
         if !design.folder(config).join("manifest.json").exists() {
             continue;
         }

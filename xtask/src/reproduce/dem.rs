@@ -60,9 +60,21 @@ fn key(omega: f64, wall: f64, pp: f64) -> Key {
     (k(omega), k(wall), k(pp))
 }
 
+/// What is simulated besides Table 8.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct More {
+    /// [`Design::Between`].
+    pub(crate) between: bool,
+    /// [`Design::EdemLaws`].
+    pub(crate) edem_laws: bool,
+}
+
+/// Added to a table's name: the same settings by our laws, by EDEM's.
+const LAWS: [&str; 2] = [", our laws", ", EDEM's laws"];
+
 /// Simulate what is not there yet, compare, and write docs/src/own-dem.md, docs/own-dem.json and the tables
 /// of responses; configurations that are not asked for stay as they were last written.
-pub(crate) fn run(configs: &[String], between: bool, jobs: usize) -> anyhow::Result<()> {
+pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result<()> {
     let docs = crate::root().join("docs");
     let kept = docs.join("own-dem.json");
     let mut all: Vec<Comparison> = match std::fs::read_to_string(&kept) {
@@ -71,27 +83,39 @@ pub(crate) fn run(configs: &[String], between: bool, jobs: usize) -> anyhow::Res
         Err(e) => return Err(e).with_context(|| kept.display().to_string()),
     };
     for config in configs {
-        let ours = simulate(config, Design::Table8, jobs)?;
-        let by = |r: &OwnRow| (key(r.omega_rpm, r.mu_wall, r.mu_pp), r.edem);
-        let ours: BySetting = ours.iter().map(by).collect();
+        let ours = by_setting(&simulate(config, Design::Table8, jobs)?);
+        keep(config)?;
+        let mut sets = vec![(String::new(), ours.clone())];
+        if more.edem_laws {
+            let theirs = by_setting(&simulate(config, Design::EdemLaws, jobs)?);
+            let same = ours.into_iter().filter(|(k, _)| theirs.contains_key(k)).collect();
+            sets.push((LAWS[0].to_owned(), same));
+            sets.push((LAWS[1].to_owned(), theirs));
+        }
         for wall in ["Plexi", "Steel"] {
             let name = format!("{config}_{wall}");
             let (_, _, edem) = tables(&name, ErrataLevel::Likely)?;
-            let compared = compare(&name, &ours, &edem)?;
-            all.retain(|c| c.table != name);
-            all.push(compared);
+            for (suffix, set) in &sets {
+                let name = format!("{name}{suffix}");
+                let compared = compare(&name, set, &edem)?;
+                all.retain(|c| c.table != name);
+                all.push(compared);
+            }
         }
         all.sort_by(|a, b| a.table.cmp(&b.table));
         write(&docs.join("src/own-dem.md"), &page(&all))?;
         write(&kept, &serde_json::to_string_pretty(&all)?)?;
-        keep(config)?;
-        if between {
+        if more.between {
             simulate(config, Design::Between, jobs)?;
             keep(config)?;
         }
     }
-    println!("{}", summary(&all));
+    println!("{}", summary(all.iter()));
     Ok(())
+}
+
+fn by_setting(rows: &[OwnRow]) -> BySetting {
+    rows.iter().map(|r| (key(r.omega_rpm, r.mu_wall, r.mu_pp), r.edem)).collect()
 }
 
 fn compare(name: &str, ours: &BySetting, edem: &SimulatedTable) -> anyhow::Result<Comparison> {
@@ -157,7 +181,7 @@ fn ranks(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-fn summary(all: &[Comparison]) -> String {
+fn summary<'a>(all: impl Iterator<Item = &'a Comparison>) -> String {
     let mut text = String::from(
         "| table | response | settings | ours less EDEM | RMSE | RMSE, mean free | target | rank correlation | our standard error |\n|---|---|---:|---:|---:|---:|---:|---:|---:|\n",
     );
@@ -188,8 +212,17 @@ fn page(all: &[Comparison]) -> String {
          the printed tables of EDEM. No figure of these tables enters the simulation. The centroids of EDEM carry an unknown shift a table:\n\
          their RMSE is about the mean difference; that of the angles is not.\n\n",
     );
-    text.push_str(&summary(all));
-    for c in all {
+    let by_law = |c: &Comparison| LAWS.iter().any(|l| c.table.ends_with(l));
+    text.push_str(&summary(all.iter().filter(|c| !by_law(c))));
+    if all.iter().any(by_law) {
+        text.push_str(
+            "\n## By the laws that EDEM documents\n\n\
+             The same settings (friction 0.5 and 0.9 between beads) by our laws and by those of EDEM's manual: the tangential spring as a whole\n\
+             with the stiffness of the moment, rolling torque against each bead's own spin instead of the relative one (`--edem-laws`).\n\n",
+        );
+        text.push_str(&summary(all.iter().filter(|c| by_law(c))));
+    }
+    for c in all.iter().filter(|c| !by_law(c)) {
         let _ = write!(
             text,
             "\n## {}\n\nOurs (standard error) and EDEM's, degrees and % of R.\n\n| rpm | mu_wall | mu_pp | aor_lin | EDEM | aor_mid | EDEM | cen_x | EDEM | cen_y | EDEM |\n|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",

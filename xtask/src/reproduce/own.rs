@@ -64,8 +64,12 @@ pub(crate) fn own_study(name: &str) -> anyhow::Result<(Case, Study)> {
             reason: (*reason).to_owned(),
         })
         .collect();
+    // Walls down to the lowest friction that was simulated.
+    let wall = simulated.factors.iter().position(|f| f == "mu_wall");
+    let levels = simulated.rows.iter().filter_map(|r| r.factors.get(wall?).copied());
+    let lowest = levels.fold(f64::INFINITY, f64::min);
     for f in case.free.iter_mut().filter(|f| f.path == "friction.mantle") {
-        f.range.0 = 0.1;
+        f.range.0 = lowest;
     }
     let mut best: Option<(f64, Case, Study)> = None;
     for basis in
