@@ -52,7 +52,7 @@ enum Task {
         /// With --dem: Table 8's settings by the laws that EDEM documents as well.
         #[arg(long, requires = "dem")]
         edem_laws: bool,
-        /// With --dem and --variants: simulations at a time.
+        /// With --dem and --variants: simulations at a time; with --dem, 0 compares what is kept.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
     },
