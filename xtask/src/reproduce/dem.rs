@@ -217,7 +217,7 @@ fn page(all: &[Comparison]) -> String {
     if all.iter().any(by_law) {
         text.push_str(
             "\n## By the laws that EDEM documents\n\n\
-             The same settings (friction 0.5 and 0.9 between beads) by our laws and by those of EDEM's manual: the tangential spring as a whole\n\
+             Settings with friction 0.5 and 0.9 between beads, as far as they were run, by our laws and by those of EDEM's manual: the tangential spring as a whole\n\
              with the stiffness of the moment, rolling torque against each bead's own spin instead of the relative one (`--edem-laws`).\n\n",
         );
         text.push_str(&summary(all.iter().filter(|c| by_law(c))));

@@ -46,15 +46,19 @@ struct Calibrated {
     nuisances: Vec<(String, f64, f64)>,
 }
 
-/// A configuration with the table of our own runs: its case as it is then, and the study.
-pub(crate) fn own_study(name: &str) -> anyhow::Result<(Case, Study)> {
+/// Lowest friction of walls in Table 8.
+const TABLE_8_WALL: f64 = 0.4;
+
+/// A configuration with the table of our own runs, walls from `least_wall` on: its case as it is then, and
+/// the study.
+pub(crate) fn own_study(name: &str, least_wall: f64) -> anyhow::Result<(Case, Study)> {
     let (mut case, measured, _) = tables(name, ErrataLevel::Certain)?;
     let config = name.split('_').next().unwrap_or(name);
     let path = crate::root().join("fixtures").join(table(config));
     let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let columns = Study::columns(&case)?;
     let columns: Vec<&str> = columns.iter().map(|(c, _)| c.as_str()).collect();
-    let simulated = SimulatedTable::parse(&table(config), &text, &columns)?;
+    let mut simulated = SimulatedTable::parse(&table(config), &text, &columns)?;
     case.nuisance = READING
         .iter()
         .map(|(path, sd, reason)| Nuisance {
@@ -66,8 +70,9 @@ pub(crate) fn own_study(name: &str) -> anyhow::Result<(Case, Study)> {
         .collect();
     // Walls down to the lowest friction that was simulated.
     let wall = simulated.factors.iter().position(|f| f == "mu_wall");
-    let levels = simulated.rows.iter().filter_map(|r| r.factors.get(wall?).copied());
-    let lowest = levels.fold(f64::INFINITY, f64::min);
+    let wall = wall.with_context(|| format!("{} has no column mu_wall", path.display()))?;
+    simulated.rows.retain(|r| r.factors[wall] >= least_wall);
+    let lowest = simulated.rows.iter().map(|r| r.factors[wall]).fold(f64::INFINITY, f64::min);
     for f in case.free.iter_mut().filter(|f| f.path == "friction.mantle") {
         f.range.0 = lowest;
     }
@@ -191,17 +196,27 @@ fn page(all: &[Calibrated], materials: &[Material]) -> anyhow::Result<String> {
 /// Calibrate, and write docs/src/own-dem-calibration.md and docs/own-dem-calibration.json.
 pub(crate) fn run() -> anyhow::Result<()> {
     let mut all = Vec::new();
-    let (mut printed, mut ours) = (Vec::new(), Vec::new());
+    let (mut printed, mut ours, mut wider) = (Vec::new(), Vec::new(), Vec::new());
     for config in CONFIGS {
         let by_edem = study(config, ErrataLevel::Certain)?;
         all.push(calibrated(config, "EDEM", "quadratic".to_owned(), &by_edem)?);
         printed.push(by_edem);
-        let (case, own) = own_study(config)?;
-        all.push(calibrated(config, "Tumble", basis(&case), &own)?);
+        let (case, own) = own_study(config, TABLE_8_WALL)?;
+        all.push(calibrated(config, "Tumble, walls from 0.4", basis(&case), &own)?);
         ours.push(own);
+        let (case, wide) = own_study(config, 0.0)?;
+        if wide.table().rows.len() > ours[ours.len() - 1].table().rows.len() {
+            all.push(calibrated(config, "Tumble, walls from 0.1", basis(&case), &wide)?);
+            wider.push(wide);
+        } else {
+            wider.push(own_study(config, TABLE_8_WALL)?.1);
+        }
     }
-    let materials =
-        [Material::of("By EDEM's tables", &printed)?, Material::of("By our own runs", &ours)?];
+    let materials = [
+        Material::of("By EDEM's tables", &printed)?,
+        Material::of("By our own runs, walls from 0.4", &ours)?,
+        Material::of("By our own runs, walls as far down as simulated", &wider)?,
+    ];
     let docs = crate::root().join("docs");
     let text = page(&all, &materials)?;
     write(&docs.join("src/own-dem-calibration.md"), &text)?;
