@@ -13,6 +13,7 @@ mod validate;
 
 use std::process::ExitCode;
 
+use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 
 /// House tasks of the workspace.
@@ -83,6 +84,17 @@ enum Task {
 /// Root of the workspace.
 fn root() -> std::path::PathBuf {
     std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Write a file whole or not at all.
+fn write_whole(path: &std::path::Path, text: &str) -> anyhow::Result<()> {
+    let named = |path: &std::path::Path| format!("cannot write {}", path.display());
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).with_context(|| named(folder))?;
+    }
+    let unfinished = path.with_extension("tmp");
+    std::fs::write(&unfinished, text).with_context(|| named(&unfinished))?;
+    std::fs::rename(&unfinished, path).with_context(|| named(path))
 }
 
 fn main() -> ExitCode {

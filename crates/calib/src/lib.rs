@@ -36,7 +36,7 @@ pub use error::CalibError;
 pub use goodness::{Goodness, chi_square_p, upper_quantile};
 pub use grid::Marginal;
 pub use joint::{JointMatch, JointMember, Tied, WithheldPrediction};
-pub use matching::{Estimate, Flatness, Match, Residual};
+pub use matching::{Estimate, Flatness, Match, Residual, root_mean_square};
 pub use nuisance::{Effect, Nuisance, NuisanceEstimate};
 pub use observation::{FrameCorrelation, Observation, Observations};
 pub use outlier::{

@@ -68,6 +68,13 @@ impl Residual {
     }
 }
 
+/// Root mean square of measured less model over one response, in its unit; `None` without residuals of it.
+pub fn root_mean_square(residuals: &[Residual], response: Response) -> Option<f64> {
+    let of = residuals.iter().filter(|x| x.response == response);
+    let squares: Vec<f64> = of.map(|x| (x.measured - x.model).powi(2)).collect();
+    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+}
+
 /// A solved problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Match {

@@ -1,10 +1,10 @@
-//! The thesis's twelve configurations with the tables of EDEM: what do they lack?
+//! The thesis's twelve configurations with the tables of EDEM, the beads also with our own: what do they lack?
 
 use calib::Study;
 use close_loop::{Errors, LoopSettings, Outcome, close_with_table};
-use rig_schema::ErrataLevel;
+use rig_schema::{Case, ErrataLevel, MeasuredTable, SimulatedTable};
 
-use crate::reproduce::own::{CONFIGS, own_study};
+use crate::reproduce::own::{CONFIGS, TABLE_8_WALL, own_study};
 use crate::reproduce::tables;
 
 const HEAD: &str = "\
@@ -61,32 +61,25 @@ fn row(name: &str, n_eff: f64, o: &Outcome) -> String {
     )
 }
 
-/// Close a configuration, every second measured speed kept aside.
-fn line(name: &str, n_eff: f64, own: bool) -> anyhow::Result<String> {
-    let (mut case, simulated) = if own {
-        let (case, study) = own_study(name, 0.4)?;
-        let table = study.table().clone();
-        (case, table)
-    } else {
-        let (case, _, simulated) = tables(name, ErrataLevel::Certain)?;
-        (case, simulated)
-    };
-    let (_, measured, _) = tables(name, ErrataLevel::Certain)?;
+/// Close a configuration with a table of simulated responses, every second measured speed kept aside, and
+/// add its rows.
+fn add(
+    text: &mut String,
+    mut case: Case,
+    measured: &MeasuredTable,
+    simulated: &SimulatedTable,
+) -> anyhow::Result<()> {
+    let name = case.rig.name.clone();
     case.holdout.every = Some(2);
-    case.data.n_eff = Some(n_eff);
-    let study = Study::new(&case, &measured, simulated)?;
     let mut settings = LoopSettings::default().attribution;
     settings.stability_bootstrap = 0;
-    Ok(match close_with_table(&case, &study, &settings) {
-        Ok(outcome) => row(name, n_eff, &outcome),
-        Err(e) => format!("| {name} | {n_eff} | | {e} | | | | | |\n"),
-    })
-}
-
-/// Add the rows of a configuration.
-fn add(text: &mut String, name: &str, own: bool) -> anyhow::Result<()> {
     for n_eff in [5.0, 15.0, 30.0] {
-        let line = line(name, n_eff, own)?;
+        case.data.n_eff = Some(n_eff);
+        let study = Study::new(&case, measured, simulated.clone())?;
+        let line = match close_with_table(&case, &study, &settings) {
+            Ok(outcome) => row(&name, n_eff, &outcome),
+            Err(e) => format!("| {name} | {n_eff} | | {e} | | | | | |\n"),
+        };
         print!("{line}");
         text.push_str(&line);
     }
@@ -98,12 +91,14 @@ pub(crate) fn run() -> anyhow::Result<()> {
     const OWN: &str = "\n## Beads by our own runs\n\nThe same, the simulator being the runs of `fixtures/own` with walls from 0.4 on ([Calibrated by our own simulation](own-dem-calibration.md)), with its priors on reading.\n\n";
     let mut text = HEAD.to_owned() + COLUMNS;
     for name in tumble_fixtures::CASES {
-        add(&mut text, name, false)?;
+        let (case, measured, simulated) = tables(name, ErrataLevel::Certain)?;
+        add(&mut text, case, &measured, &simulated)?;
     }
     text = text + OWN + COLUMNS;
     for name in CONFIGS {
-        add(&mut text, name, true)?;
+        let (_, measured, _) = tables(name, ErrataLevel::Certain)?;
+        let (case, own) = own_study(name, TABLE_8_WALL)?;
+        add(&mut text, case, &measured, own.table())?;
     }
-    std::fs::write(crate::root().join("docs/src/closing-the-thesis.md"), text)?;
-    Ok(())
+    crate::write_whole(&crate::root().join("docs/src/closing-the-thesis.md"), &text)
 }

@@ -27,10 +27,7 @@ pub(crate) fn write_data(path: &Path, scene: &Scene, beads: &[Bead]) -> anyhow::
         let id = n + 1;
         writeln!(text, "{id} {:e} {:e} {:e} {:e} {:e} {:e}", v.x, v.y, v.z, w.x, w.y, w.z)?;
     }
-    let unfinished = path.with_extension("tmp");
-    std::fs::write(&unfinished, text)
-        .with_context(|| format!("cannot write {}", unfinished.display()))?;
-    std::fs::rename(&unfinished, path).with_context(|| format!("cannot name {}", path.display()))
+    crate::write_whole(path, &text)
 }
 
 /// Read what [`write_data`] wrote.

@@ -60,14 +60,16 @@ impl Design {
         crate::root().join(format!("target/reproduce/{}{suffix}", config.to_lowercase()))
     }
 
-    fn manifest(self, config: &str) -> anyhow::Result<Manifest> {
+    /// The campaign, begun or gone on with.
+    fn campaign(self, config: &str) -> anyhow::Result<Campaign> {
         let file = format!("thesis/plans/{}.toml", config.to_lowercase());
         let mut text = fixture(&file)?.to_owned();
         for (old, new) in self.changes() {
             anyhow::ensure!(text.contains(old), "{file} has no line `{old}`");
             text = text.replace(old, new);
         }
-        Ok(Manifest::freeze(&file, &text, &Freeze::default())?)
+        let manifest = Manifest::freeze(&file, &text, &Freeze::default())?;
+        Ok(Campaign::begin(&self.folder(config), manifest)?)
     }
 }
 
@@ -101,12 +103,17 @@ fn reading(seen: [Seen; 4]) -> Reading {
     }
 }
 
-/// Simulate what is not there yet of a design, with no workers nothing: what is kept is taken as it is.
+/// What a design has shown when all that is not there yet is simulated, `jobs` at a time; with none at a
+/// time what is there.
 pub(crate) fn simulate(config: &str, design: Design, jobs: usize) -> anyhow::Result<Vec<OwnRow>> {
-    let campaign = Campaign::begin(&design.folder(config), design.manifest(config)?)?;
-    if jobs == 0 {
-        return rows(&campaign);
+    let campaign = design.campaign(config)?;
+    if jobs > 0 {
+        carry_out(&campaign, config, jobs)?;
     }
+    rows(&campaign)
+}
+
+fn carry_out(campaign: &Campaign, config: &str, jobs: usize) -> anyhow::Result<()> {
     let how = RunOptions { jobs, ..RunOptions::default() };
     campaign.run(&how, &AtomicBool::new(false), |event| match event {
         Event::Started { index, resumed } => {
@@ -119,7 +126,7 @@ pub(crate) fn simulate(config: &str, design: Design, jobs: usize) -> anyhow::Res
         Event::Progress { .. } | Event::Stopped { .. } => {}
     })?;
     campaign.collect()?;
-    rows(&campaign)
+    Ok(())
 }
 
 /// The settings that are done.
@@ -162,9 +169,7 @@ pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
          run,omega_rpm,mu_wall,mu_pp"
     );
     for r in Response::ALL {
-        let column = r.column();
-        let stem = column.rsplit_once('_').map_or(column, |(stem, _)| stem);
-        let _ = write!(text, ",{column},{stem}_sd");
+        let _ = write!(text, ",{},{}", r.column(), r.sd_column());
     }
     text.push('\n');
     let mut run = 0;
@@ -172,7 +177,7 @@ pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
         if !design.folder(config).join("manifest.json").exists() {
             continue;
         }
-        for row in rows(&Campaign::begin(&design.folder(config), design.manifest(config)?)?)? {
+        for row in rows(&design.campaign(config)?)? {
             run += 1;
             let _ = write!(text, "{run},{},{},{}", row.omega_rpm, row.mu_wall, row.mu_pp);
             for r in 0..4 {
@@ -181,5 +186,5 @@ pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
             text.push('\n');
         }
     }
-    super::write(&crate::root().join("fixtures").join(table(config)), &text)
+    crate::write_whole(&crate::root().join("fixtures").join(table(config)), &text)
 }

@@ -11,7 +11,7 @@ use rig_schema::{ErrataLevel, Response, SimulatedTable};
 use serde::{Deserialize, Serialize};
 
 use super::campaigns::{Design, OwnRow, Reading, keep, simulate};
-use super::{tables, write};
+use super::tables;
 
 /// Largest root mean square error aimed at, deg, deg, % R, % R.
 const TARGET: [f64; 4] = [1.0, 1.5, 1.0, 1.0];
@@ -103,8 +103,8 @@ pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result
             }
         }
         all.sort_by(|a, b| a.table.cmp(&b.table));
-        write(&docs.join("src/own-dem.md"), &page(&all))?;
-        write(&kept, &serde_json::to_string_pretty(&all)?)?;
+        crate::write_whole(&docs.join("src/own-dem.md"), &page(&all))?;
+        crate::write_whole(&kept, &serde_json::to_string_pretty(&all)?)?;
         if more.between {
             simulate(config, Design::Between, jobs)?;
             keep(config)?;

@@ -1,7 +1,7 @@
 //! One particle friction a material: fitted on three of its four configurations, the fourth
 //! predicted.
 
-use calib::{JointMatch, Study, WithheldPrediction};
+use calib::{JointMatch, Study, WithheldPrediction, root_mean_square};
 use rig_schema::{ErrataLevel, Response};
 use serde::Serialize;
 
@@ -70,11 +70,7 @@ impl Material {
 
 impl Withheld {
     fn of(w: &WithheldPrediction) -> Self {
-        let rmse = |r: Response| {
-            let of = w.residuals.iter().filter(|x| x.response == r);
-            let squares: Vec<f64> = of.map(|x| (x.measured - x.model).powi(2)).collect();
-            (r.column(), (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
-        };
+        let rmse = |r: Response| Some((r.column(), root_mean_square(&w.residuals, r)?));
         Self {
             config: w.name.clone(),
             from_others: w.value,
@@ -82,7 +78,7 @@ impl Withheld {
             chi2: w.goodness.chi2,
             own_chi2: w.own.chi2,
             dof: w.goodness.dof,
-            rmse: Response::ALL.into_iter().map(rmse).collect(),
+            rmse: Response::ALL.into_iter().filter_map(rmse).collect(),
         }
     }
 }

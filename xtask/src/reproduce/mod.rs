@@ -10,7 +10,6 @@ mod ranges;
 mod surrogates;
 pub(crate) mod variants;
 
-use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Context;
@@ -126,8 +125,8 @@ pub(crate) fn run(json: bool) -> anyhow::Result<()> {
     };
     let text = serde_json::to_string_pretty(&all)?;
     let docs = crate::root().join("docs");
-    write(&docs.join("reproduction.md"), &markdown::page(&all))?;
-    write(&docs.join("reproduction.json"), &text)?;
+    crate::write_whole(&docs.join("reproduction.md"), &markdown::page(&all))?;
+    crate::write_whole(&docs.join("reproduction.json"), &text)?;
     if json {
         println!("{text}");
     } else {
@@ -135,14 +134,4 @@ pub(crate) fn run(json: bool) -> anyhow::Result<()> {
         println!("docs/reproduction.md written in {seconds:.1} s");
     }
     Ok(())
-}
-
-/// Write a file whole or not at all.
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    let staged = path.with_extension("tmp");
-    std::fs::write(&staged, text).with_context(|| staged.display().to_string())?;
-    Ok(std::fs::rename(&staged, path)?)
 }

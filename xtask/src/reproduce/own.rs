@@ -6,13 +6,13 @@
 use std::fmt::Write as _;
 
 use anyhow::Context;
-use calib::{Match, Study};
+use calib::{Study, root_mean_square};
 use rig_schema::{Case, ErrataLevel, Nuisance, Response, SimulatedTable, Simulator, TableBasis};
 use serde::Serialize;
 
 use super::campaigns::table;
 use super::materials::Material;
-use super::{markdown, records, study, tables, write};
+use super::{markdown, records, study, tables};
 
 /// Configurations of the beads.
 pub(crate) const CONFIGS: [&str; 4] = ["AZ1_Plexi", "AZ2_Plexi", "AZ1_Steel", "AZ2_Steel"];
@@ -47,7 +47,7 @@ struct Calibrated {
 }
 
 /// Lowest friction of walls in Table 8.
-const TABLE_8_WALL: f64 = 0.4;
+pub(crate) const TABLE_8_WALL: f64 = 0.4;
 
 /// A configuration with the table of our own runs, walls from `least_wall` on: its case as it is then, and
 /// the study.
@@ -106,14 +106,6 @@ fn basis(case: &Case) -> String {
     }
 }
 
-fn root_mean_squares(m: &Match) -> [f64; 4] {
-    Response::ALL.map(|r| {
-        let of = m.residuals.iter().filter(|x| x.response == r);
-        let squares: Vec<f64> = of.map(|x| (x.measured - x.model).powi(2)).collect();
-        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
-    })
-}
-
 fn calibrated(
     config: &'static str,
     simulator: &'static str,
@@ -129,7 +121,7 @@ fn calibrated(
         frictions: names.zip(&m.estimates).map(|(n, e)| (n, e.value, e.lo, e.hi)).collect(),
         chi2: m.goodness.chi2,
         dof: m.goodness.dof,
-        rmse: root_mean_squares(&m),
+        rmse: Response::ALL.map(|r| root_mean_square(&m.residuals, r).unwrap_or(f64::NAN)),
         nuisances: m.nuisances.iter().map(|n| (n.name.clone(), n.value, n.pull)).collect(),
     })
 }
@@ -203,14 +195,13 @@ pub(crate) fn run() -> anyhow::Result<()> {
         printed.push(by_edem);
         let (case, own) = own_study(config, TABLE_8_WALL)?;
         all.push(calibrated(config, "Tumble, walls from 0.4", basis(&case), &own)?);
-        ours.push(own);
         let (case, wide) = own_study(config, 0.0)?;
-        if wide.table().rows.len() > ours[ours.len() - 1].table().rows.len() {
+        // The same where no lower walls were simulated.
+        if wide.table() != own.table() {
             all.push(calibrated(config, "Tumble, walls from 0.1", basis(&case), &wide)?);
-            wider.push(wide);
-        } else {
-            wider.push(own_study(config, TABLE_8_WALL)?.1);
         }
+        ours.push(own);
+        wider.push(wide);
     }
     let materials = [
         Material::of("By EDEM's tables", &printed)?,
@@ -219,9 +210,12 @@ pub(crate) fn run() -> anyhow::Result<()> {
     ];
     let docs = crate::root().join("docs");
     let text = page(&all, &materials)?;
-    write(&docs.join("src/own-dem-calibration.md"), &text)?;
+    crate::write_whole(&docs.join("src/own-dem-calibration.md"), &text)?;
     let json = serde_json::json!({ "calibrated": all, "one_friction": materials });
-    write(&docs.join("own-dem-calibration.json"), &serde_json::to_string_pretty(&json)?)?;
+    crate::write_whole(
+        &docs.join("own-dem-calibration.json"),
+        &serde_json::to_string_pretty(&json)?,
+    )?;
     println!("{text}");
     Ok(())
 }

@@ -181,8 +181,7 @@ pub(crate) fn run(jobs: usize) -> anyhow::Result<()> {
         }
         text.push('\n');
     }
-    let path = root.join("docs/src/own-dem-variants.md");
-    std::fs::write(&path, &text)?;
+    crate::write_whole(&root.join("docs/src/own-dem-variants.md"), &text)?;
     println!("{text}");
     Ok(())
 }

@@ -77,11 +77,33 @@ impl Series {
             instants.retain(|i| i.file != name);
             instants.push(Instant { time_s: drum.time(), file: name });
             instants.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-            let path = self.folder.join(format!("{kind}.pvd"));
-            file::write_whole(&path, collection(instants).as_bytes())?;
+            list(&self.folder, kind, instants)?;
         }
         Ok(())
     }
+
+    /// Keep the instants at these times, s, and remove the files of all others: a motion shows only
+    /// later from when on it was steady.
+    ///
+    /// # Errors
+    /// [`CampaignError::Io`].
+    pub fn keep_only(&mut self, times_s: &[f64]) -> Result<(), CampaignError> {
+        for (kind, instants) in KINDS.iter().zip(&mut self.instants) {
+            let others = instants.extract_if(.., |i| !times_s.contains(&i.time_s));
+            let others: Vec<Instant> = others.collect();
+            list(&self.folder, kind, instants)?;
+            for other in others {
+                let path = self.folder.join(&other.file);
+                std::fs::remove_file(&path).map_err(file::io("removing", &path))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Write the `.pvd` file of one kind.
+fn list(folder: &Path, kind: &str, instants: &[Instant]) -> Result<(), CampaignError> {
+    file::write_whole(&folder.join(format!("{kind}.pvd")), collection(instants).as_bytes())
 }
 
 /// The text of a `.pvd` file.

@@ -113,6 +113,12 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let steps = drum.progress().steps;
     let particles = drum.grains().len();
     let sampled = drum.sampled();
+    if let Some(series) = &mut series {
+        let frames = sampled.iter().flat_map(|s| &s.frames);
+        let closed: Vec<f64> =
+            frames.filter_map(|f| f.exposures.last().map(|e| e.time_s)).collect();
+        series.keep_only(&closed)?;
+    }
     eprintln!(
         "filming and measuring {} frames",
         sampled.iter().map(|s| s.frames.len()).sum::<usize>()

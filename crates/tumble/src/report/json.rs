@@ -130,15 +130,8 @@ fn residuals(all: &[calib::Residual]) -> Vec<Residual> {
 
 /// Root mean square of the residuals of each response.
 pub(crate) fn rmse(all: &[calib::Residual]) -> Vec<(&'static str, f64)> {
-    Response::ALL
-        .into_iter()
-        .filter_map(|r| {
-            let d: Vec<f64> =
-                all.iter().filter(|x| x.response == r).map(|x| x.measured - x.model).collect();
-            let n = d.len() as f64;
-            (!d.is_empty()).then(|| (r.column(), (d.iter().map(|x| x * x).sum::<f64>() / n).sqrt()))
-        })
-        .collect()
+    let of = |r: Response| Some((r.column(), calib::root_mean_square(all, r)?));
+    Response::ALL.into_iter().filter_map(of).collect()
 }
 
 fn note(coincidences: &[calib::Coincidence]) -> String {
