@@ -196,7 +196,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             dt,
             overlap_limit: context.overlap_limit,
             fast_roots,
-            cohesive: all.iter().any(|c| c.energy_density > 0.0),
+            features: crate::simd::Features::of(all),
         });
         let vector = vector.as_ref().map(|kernel| (level, kernel));
         // With fast roots a copy of the contacts is booked, and the contacts go their own way.

@@ -92,6 +92,8 @@ pub(crate) fn assemble(rig: &Rig, options: &Options) -> Result<Assembly, Error> 
         Kind::HertzMindlin { cut_tail: false } => parts.world(Constants::hertz_mindlin::<false>)?,
         Kind::Cohesive { cut_tail: true } => parts.world(Constants::cohesive::<true>)?,
         Kind::Cohesive { cut_tail: false } => parts.world(Constants::cohesive::<false>)?,
+        Kind::Edem { cut_tail: true } => parts.world(Constants::edem::<true>)?,
+        Kind::Edem { cut_tail: false } => parts.world(Constants::edem::<false>)?,
         Kind::Spring => parts.world(Constants::spring)?,
         Kind::PartialSlip => parts.world(Constants::partial_slip)?,
     };

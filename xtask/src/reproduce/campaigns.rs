@@ -22,8 +22,8 @@ pub(crate) enum Design {
     Table8,
     /// Levels that the thesis lacks: between those, and walls down to 0.1.
     Between,
-    /// Those of Table 8 with friction 0.5 and 0.9 between beads, by the laws that EDEM documents: the
-    /// tangential spring as a whole with new stiffness, rolling torque against each bead's own spin.
+    /// Those of Table 8 by the laws that EDEM documents: the tangential spring as a whole with new
+    /// stiffness, rolling torque against each bead's own spin.
     EdemLaws,
 }
 
@@ -33,18 +33,16 @@ impl Design {
 
     /// Lines of the plan of Table 8 and what stands in their place.
     const fn changes(self) -> &'static [(&'static str, &'static str)] {
-        const BEADS: &str = "factors.friction.pp = [0.1, 0.5, 0.9]";
         match self {
             Self::Table8 => &[],
             Self::Between => &[
-                (BEADS, "factors.friction.pp = [0.25, 0.7]"),
+                ("factors.friction.pp = [0.1, 0.5, 0.9]", "factors.friction.pp = [0.25, 0.7]"),
                 (
                     "factors.friction.mantle = [0.4, 0.6, 0.8]",
                     "factors.friction.mantle = [0.1, 0.5]",
                 ),
             ],
             Self::EdemLaws => &[
-                (BEADS, "factors.friction.pp = [0.5, 0.9]"),
                 ("tangential = \"mindlin\"", "tangential = \"mindlin_total_spring\""),
                 ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
             ],

@@ -24,7 +24,7 @@ const fn law(name: &'static str, lines: &'static [(&'static str, &'static str)])
     Variant { group: "laws", name, lines, set: &[], fillings: 1 }
 }
 
-const VARIANTS: [Variant; 12] = [
+const VARIANTS: [Variant; 13] = [
     Variant { group: "end plates", name: "turning", lines: &[], set: &[], fillings: 2 },
     Variant {
         group: "end plates",
@@ -68,6 +68,13 @@ const VARIANTS: [Variant; 12] = [
         )],
     ),
     Variant { group: "step", name: "half", lines: &[], set: &[("step.scale", 0.5)], fillings: 1 },
+    Variant {
+        group: "step",
+        name: "a quarter",
+        lines: &[],
+        set: &[("step.scale", 0.25)],
+        fillings: 1,
+    },
     Variant {
         group: "constants",
         name: "ten times the rolling resistance",

@@ -1,14 +1,15 @@
-//! Hertz, Mindlin with history, damping, constant rolling torque and the pull of simplified JKR: eight
-//! contacts at once.
+//! Hertz, Mindlin with history, damping, static and kinetic friction, a rolling torque and the pull of
+//! simplified JKR: eight contacts at once; spring and torque in EDEM's forms too.
 //!
 //! Operation by operation the portable path: `forces.rs` for the kinematics, then
-//! `normal/hertz.rs`, `contact/spring.rs`, `contact/friction.rs`, `tangential/mindlin.rs`,
-//! `rolling/constant_torque.rs`, `cohesion/sjkr.rs` and `contact/model.rs`. Whoever changes one of them changes this
+//! `normal/hertz.rs`, `contact/spring.rs`, `contact/friction.rs`, `tangential/mindlin.rs` and
+//! `mindlin_total_spring.rs`, `rolling/constant_torque.rs` and `absolute_spin.rs`, `cohesion/sjkr.rs` and
+//! `contact/model.rs`. Whoever changes one of them changes this
 //! too: `simd_and_portable_kernels_agree_bit_by_bit` tells.
 
 use super::blocks::{Blocks, MOST, Two};
 use super::lanes::{Lanes, Mask, Numbers, V3};
-use super::{Constants, Level};
+use super::{Constants, Form, Level};
 use crate::contact::spring::{COSINE, SINE};
 use crate::forces::{ChunkYield, SphereView};
 use crate::particles::Record;
@@ -73,8 +74,35 @@ pub(crate) struct PairKernel<'a> {
     pub(crate) overlap_limit: f64,
     /// Whether roots may be off in the last places.
     pub(crate) fast_roots: bool,
-    /// Whether any law pulls.
-    pub(crate) cohesive: bool,
+    pub(crate) features: Features,
+}
+
+/// What of the laws a world makes use of: the same for all of its contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Features {
+    /// Any law pulls.
+    cohesive: bool,
+    /// Friction falls once any contact slides.
+    stick_slip: bool,
+    form: Form,
+}
+
+impl Features {
+    /// The usual laws: the kernel is compiled for them by themselves.
+    const NONE: Self = Self {
+        cohesive: false,
+        stick_slip: false,
+        form: Form { total_spring: false, absolute_spin: false },
+    };
+
+    /// Those of a table of laws.
+    pub(crate) fn of(all: &[Constants]) -> Self {
+        Self {
+            cohesive: all.iter().any(|c| c.energy_density > 0.0),
+            stick_slip: all.iter().any(|c| c.kinetic != c.friction),
+            form: all.first().map_or_else(Form::default, |c| c.form),
+        }
+    }
 }
 
 /// Constants of eight contacts.
@@ -84,6 +112,7 @@ pub(super) struct Laws<V> {
     normal_damping: V,
     g_star: V,
     friction: V,
+    kinetic: V,
     shear_damping: V,
     arm_length: V,
     arm_ratio: V,
@@ -124,6 +153,7 @@ impl<V: Blocks> Laws<V> {
             normal_damping: make(|c| c.normal_damping),
             g_star: make(|c| c.g_star),
             friction: make(|c| c.friction),
+            kinetic: make(|c| c.kinetic),
             shear_damping: make(|c| c.shear_damping),
             arm_length: make(|c| c.arm_length),
             arm_ratio: make(|c| c.arm_ratio),
@@ -164,11 +194,13 @@ pub(super) struct Out<V> {
     pub(super) stiffness: V,
 }
 
-/// Hold `trial` to the limit; returns it and the lanes, of those that matter, that slide.
+/// Hold `trial` to `bound` where it exceeds `threshold`; returns it and the lanes, of those that matter, that
+/// slide.
 #[inline(always)]
 fn limit<V: Numbers, const FAST: bool>(
     trial: V3<V>,
     threshold: V,
+    bound: V,
     used: V::Mask,
 ) -> (V3<V>, V::Mask) {
     let size2 = trial.dot(trial);
@@ -177,9 +209,9 @@ fn limit<V: Numbers, const FAST: bool>(
         return (trial, slides);
     }
     let scaled = if FAST {
-        trial * (threshold * size2.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root())
+        trial * (bound * size2.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root())
     } else {
-        trial * (threshold / size2.sqrt())
+        trial * (bound / size2.sqrt())
     };
     (scaled.select(slides, trial), slides)
 }
@@ -231,12 +263,23 @@ fn pull<V: Numbers>(m: &Motion<V>, energy_density: V, d: V) -> V {
     energy_density * area
 }
 
-/// The laws; `cohesive` tells whether any of them pulls.
+/// Torque of size `limit` against `spin`.
+#[inline(always)]
+fn against<V: Numbers, const FAST: bool>(spin: V3<V>, limit: V) -> V3<V> {
+    let (speed2, tiny) = (spin.dot(spin), V::splat(f64::MIN_POSITIVE));
+    if FAST {
+        spin * (-limit * speed2.max(tiny).reciprocal_root())
+    } else {
+        spin * (-limit / speed2.sqrt().max(tiny))
+    }
+}
+
+/// The laws.
 #[inline(always)]
 pub(super) fn respond<V: Blocks, const FAST: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
-    cohesive: bool,
+    features: Features,
     old: V3<V>,
     old_stiffness: V,
     touching: V::Mask,
@@ -267,30 +310,41 @@ pub(super) fn respond<V: Blocks, const FAST: bool>(
     // Mindlin.
     let k = V::splat(8.0) * laws.g_star * a;
     let dashpot = laws.shear_damping * (inertia * laws.shear_root);
-    let share = (k / old_stiffness.abs().max(tiny)).min(V::splat(1.0));
+    // A new contact carries nothing, so that its share need only be finite.
+    let most = if features.form.total_spring { f64::MAX } else { 1.0 };
+    let share = (k / old_stiffness.abs().max(tiny)).min(V::splat(most));
     let trial = carried * share - (m.slip * m.dt) * k;
-    let threshold = laws.friction * load;
-    let (spring, sliding) = limit::<V, FAST>(trial, threshold, touching);
+    let sticking = laws.friction * load;
+    let (threshold, bound) = if features.stick_slip {
+        let sliding = laws.kinetic * load;
+        (sliding.select(old_stiffness.less(zero), sticking), sliding)
+    } else {
+        (sticking, sticking)
+    };
+    let (spring, sliding) = limit::<V, FAST>(trial, threshold, bound, touching);
     let sticks_damped = touching & !sliding & zero.less(dashpot);
     // Sliding contacts are at the limit already and have no dashpot: few are left here.
-    let (damped, _) = limit::<V, FAST>(spring - m.slip * dashpot, threshold, sticks_damped);
+    let (damped, _) =
+        limit::<V, FAST>(spring - m.slip * dashpot, sticking, sticking, sticks_damped);
     let shear = damped.select(sticks_damped, spring);
-    // Constant torque.
-    let spin = m.spin_i - m.spin_j;
-    let rolling = spin - n * spin.dot(n);
-    let speed2 = rolling.dot(rolling);
-    let arm = laws.arm_length + laws.arm_ratio * m.r_star;
-    let torque = if FAST {
-        rolling * (-(arm * load) * speed2.max(tiny).reciprocal_root())
+    // Rolling.
+    let (roll_i, roll_j) = if features.form.absolute_spin {
+        let limit_i = (laws.arm_length + laws.arm_ratio * m.lever_i) * load;
+        let limit_j = (laws.arm_length + laws.arm_ratio * m.lever_j) * load;
+        (against::<V, FAST>(m.spin_i, limit_i), against::<V, FAST>(m.spin_j, limit_j))
     } else {
-        rolling * (-(arm * load) / speed2.sqrt().max(tiny))
+        let spin = m.spin_i - m.spin_j;
+        let arm = laws.arm_length + laws.arm_ratio * m.r_star;
+        let torque = against::<V, FAST>(spin - n * spin.dot(n), arm * load);
+        (torque, -torque)
     };
     let moment = n.cross(shear);
-    let repulsion = if cohesive { normal - pull(m, laws.energy_density, delta) } else { normal };
+    let repulsion =
+        if features.cohesive { normal - pull(m, laws.energy_density, delta) } else { normal };
     Out {
         force: shear - n * repulsion,
-        torque_i: moment * m.lever_i + torque,
-        torque_j: moment * m.lever_j - torque,
+        torque_i: moment * m.lever_i + roll_i,
+        torque_j: moment * m.lever_j + roll_j,
         spring,
         stiffness: (-k).select(sliding, k),
     }
@@ -302,30 +356,38 @@ impl PairKernel<'_> {
         #[cfg(target_arch = "x86_64")]
         {
             #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
-            unsafe fn avx512(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
+            unsafe fn avx512<const FAST: bool, const MORE: bool>(
+                k: &PairKernel<'_>,
+                run: &mut Run<'_>,
+                into: &mut ChunkYield,
+            ) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
-                    if k.fast_roots {
-                        let done = k.blocks::<Two<super::avx::Wide>, true>(run, 0, into);
-                        k.blocks::<super::avx::Wide, true>(run, done, into);
-                    } else {
-                        let done = k.blocks::<Two<super::avx::Wide>, false>(run, 0, into);
-                        k.blocks::<super::avx::Wide, false>(run, done, into);
-                    }
+                    let done = k.blocks::<Two<super::avx::Wide>, FAST, MORE>(run, 0, into);
+                    k.blocks::<super::avx::Wide, FAST, MORE>(run, done, into);
                 }
             }
             #[target_feature(enable = "avx2,popcnt")]
-            unsafe fn avx2(k: &PairKernel<'_>, run: &mut Run<'_>, into: &mut ChunkYield) {
+            unsafe fn avx2<const MORE: bool>(
+                k: &PairKernel<'_>,
+                run: &mut Run<'_>,
+                into: &mut ChunkYield,
+            ) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
-                    k.blocks::<super::avx::Pair, false>(run, 0, into);
+                    k.blocks::<super::avx::Pair, false, MORE>(run, 0, into);
                 }
             }
+            let more = self.features != Features::NONE;
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
-            match level {
-                Level::Avx512 => unsafe { avx512(self, run, into) },
-                Level::Avx2 => unsafe { avx2(self, run, into) },
-                Level::Portable => {}
+            match (level, self.fast_roots, more) {
+                (Level::Avx512, false, false) => unsafe { avx512::<false, false>(self, run, into) },
+                (Level::Avx512, false, true) => unsafe { avx512::<false, true>(self, run, into) },
+                (Level::Avx512, true, false) => unsafe { avx512::<true, false>(self, run, into) },
+                (Level::Avx512, true, true) => unsafe { avx512::<true, true>(self, run, into) },
+                (Level::Avx2, _, false) => unsafe { avx2::<false>(self, run, into) },
+                (Level::Avx2, _, true) => unsafe { avx2::<true>(self, run, into) },
+                (Level::Portable, ..) => {}
             }
         }
         let _ = level;
@@ -373,12 +435,12 @@ impl PairKernel<'_> {
         d.dot(d).less(sum * sum)
     }
 
-    /// Compute the blocks from `done` on as long as there are enough; returns how many are done then.
+    /// Compute the blocks from `done` on, by the usual laws or by `MORE`, as long as there are enough; returns how many are done then.
     ///
     /// # Safety
     /// Every place in the run is that of a sphere.
     #[inline(always)]
-    unsafe fn blocks<V: Blocks, const FAST: bool>(
+    unsafe fn blocks<V: Blocks, const FAST: bool, const MORE: bool>(
         &self,
         run: &mut Run<'_>,
         mut done: usize,
@@ -410,7 +472,8 @@ impl PairKernel<'_> {
                 torque_second: &mut torque_second[these.clone()],
             };
             // SAFETY: by the caller.
-            let [touching, deep] = unsafe { self.block::<V, FAST>(&mut block, &laws, nothing) };
+            let [touching, deep] =
+                unsafe { self.block::<V, FAST, MORE>(&mut block, &laws, nothing) };
             for (active, touching) in active[these].iter_mut().zip(touching) {
                 *active = BYTES[usize::from(touching)];
             }
@@ -440,7 +503,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in `first` and `second` of a block is that of a sphere.
     #[inline(always)]
-    unsafe fn block<V: Blocks, const FAST: bool>(
+    unsafe fn block<V: Blocks, const FAST: bool, const MORE: bool>(
         &self,
         b: &mut Block<'_>,
         only: &Laws<V>,
@@ -545,7 +608,8 @@ impl PairKernel<'_> {
             dt,
         };
         let (old, old_stiffness) = load_memory::<V>(b.memory);
-        let out = respond::<V, FAST>(&motion, laws, self.cohesive, old, old_stiffness, touching);
+        let features = if MORE { self.features } else { Features::NONE };
+        let out = respond::<V, FAST>(&motion, laws, features, old, old_stiffness, touching);
         store(b, touching, &out, nothing);
         [V::bits(touching), V::bits(deep)]
     }

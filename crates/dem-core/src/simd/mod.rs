@@ -14,15 +14,15 @@ mod wall;
 
 use std::any::Any;
 
-pub(crate) use hertz_mindlin::{PairKernel, Run};
+pub(crate) use hertz_mindlin::{Features, PairKernel, Run};
 pub(crate) use lanes::Quad;
 pub(crate) use wall::WallRun;
 
 use crate::contact::cohesion::{Cohesionless, Sjkr};
 use crate::contact::model::ContactModel;
 use crate::contact::normal::Hertz;
-use crate::contact::rolling::{ConstantTorque, FreeRolling};
-use crate::contact::tangential::Mindlin;
+use crate::contact::rolling::{AbsoluteSpin, ConstantTorque, FreeRolling, RollingArm};
+use crate::contact::tangential::{Mindlin, MindlinTotalSpring};
 use crate::neighbour::Period;
 use crate::particles::Record;
 
@@ -63,7 +63,9 @@ pub(crate) struct Constants {
     pub(crate) e_star: f64,
     pub(crate) normal_damping: f64,
     pub(crate) g_star: f64,
+    /// Friction while a contact sticks, and once it slides.
     pub(crate) friction: f64,
+    pub(crate) kinetic: f64,
     pub(crate) shear_damping: f64,
     pub(crate) arm_length: f64,
     pub(crate) arm_ratio: f64,
@@ -71,48 +73,121 @@ pub(crate) struct Constants {
     pub(crate) least_force: f64,
     /// Cohesion energy density of the simplified JKR law.
     pub(crate) energy_density: f64,
+    /// Forms of the laws: the same for all of a world, whose laws are of one type.
+    pub(crate) form: Form,
+}
+
+/// Forms of the laws that a kernel distinguishes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Form {
+    /// The present stiffness multiplies the whole displacement of the shear spring.
+    pub(crate) total_spring: bool,
+    /// The rolling torque acts against each body's own spin.
+    pub(crate) absolute_spin: bool,
+}
+
+/// A shear spring that the kernel knows.
+trait Shear: 'static {
+    const TOTAL: bool;
+    fn mindlin(&self) -> &Mindlin;
+}
+
+impl Shear for Mindlin {
+    const TOTAL: bool = false;
+    fn mindlin(&self) -> &Mindlin {
+        self
+    }
+}
+
+impl Shear for MindlinTotalSpring {
+    const TOTAL: bool = true;
+    fn mindlin(&self) -> &Mindlin {
+        &self.0
+    }
+}
+
+/// A rolling torque that the kernel knows.
+trait Torque: 'static {
+    const ABSOLUTE: bool;
+    fn arm(&self) -> RollingArm;
+}
+
+impl Torque for ConstantTorque {
+    const ABSOLUTE: bool = false;
+    fn arm(&self) -> RollingArm {
+        self.arm
+    }
+}
+
+impl Torque for AbsoluteSpin {
+    const ABSOLUTE: bool = true;
+    fn arm(&self) -> RollingArm {
+        self.arm
+    }
+}
+
+impl Torque for FreeRolling {
+    const ABSOLUTE: bool = false;
+    fn arm(&self) -> RollingArm {
+        RollingArm { length: 0.0, ratio: 0.0 }
+    }
+}
+
+/// A pull that the kernel knows.
+trait Pull: 'static {
+    fn energy_density(&self) -> f64;
+}
+
+impl Pull for Cohesionless {
+    fn energy_density(&self) -> f64 {
+        0.0
+    }
+}
+
+impl Pull for Sjkr {
+    fn energy_density(&self) -> f64 {
+        self.energy_density
+    }
 }
 
 impl Constants {
-    fn hertz_mindlin<const CUT: bool>(normal: &Hertz<CUT>, tangential: &Mindlin) -> Option<Self> {
+    /// Those of a law of this very type.
+    fn of<const CUT: bool, T: Shear, R: Torque, C: Pull>(law: &dyn Any) -> Option<Self> {
+        let m = law.downcast_ref::<ContactModel<Hertz<CUT>, T, R, C>>()?;
+        let (tangential, arm) = (m.tangential.mindlin(), m.rolling.arm());
         let f = &tangential.friction;
-        (f.mu_static == f.mu_kinetic).then_some(Self {
-            e_star: normal.e_star,
-            normal_damping: normal.damping,
+        // No exponential here.
+        let fades = f.mu_static != f.mu_kinetic && f.decay_speed > 0.0;
+        (!fades).then_some(Self {
+            e_star: m.normal.e_star,
+            normal_damping: m.normal.damping,
             g_star: tangential.g_star,
             friction: f.mu_static,
+            kinetic: f.mu_kinetic,
             shear_damping: tangential.damping,
-            arm_length: 0.0,
-            arm_ratio: 0.0,
+            arm_length: arm.length,
+            arm_ratio: arm.ratio,
             least_force: if CUT { 0.0 } else { f64::NEG_INFINITY },
-            energy_density: 0.0,
+            energy_density: m.cohesion.energy_density(),
+            form: Form { total_spring: T::TOTAL, absolute_spin: R::ABSOLUTE },
         })
     }
 
-    fn of<const CUT: bool>(law: &dyn Any) -> Option<Self> {
-        type With<const CUT: bool, R, C> = ContactModel<Hertz<CUT>, Mindlin, R, C>;
-        let torque = |c: Self, rolling: &ConstantTorque| {
-            let (arm_length, arm_ratio) = (rolling.arm.length, rolling.arm.ratio);
-            Self { arm_length, arm_ratio, ..c }
-        };
-        if let Some(m) = law.downcast_ref::<With<CUT, ConstantTorque, Cohesionless>>() {
-            let c = Self::hertz_mindlin(&m.normal, &m.tangential)?;
-            return Some(torque(c, &m.rolling));
-        }
-        if let Some(m) = law.downcast_ref::<With<CUT, ConstantTorque, Sjkr>>() {
-            let c = Self::hertz_mindlin(&m.normal, &m.tangential)?;
-            let energy_density = m.cohesion.energy_density;
-            return Some(Self { energy_density, ..torque(c, &m.rolling) });
-        }
-        let m = law.downcast_ref::<With<CUT, FreeRolling, Cohesionless>>()?;
-        Self::hertz_mindlin(&m.normal, &m.tangential)
+    /// Those of a law of any type that the kernel knows.
+    fn of_any<const CUT: bool>(law: &dyn Any) -> Option<Self> {
+        Self::of::<CUT, Mindlin, ConstantTorque, Cohesionless>(law)
+            .or_else(|| Self::of::<CUT, Mindlin, ConstantTorque, Sjkr>(law))
+            .or_else(|| Self::of::<CUT, Mindlin, FreeRolling, Cohesionless>(law))
+            .or_else(|| Self::of::<CUT, Mindlin, AbsoluteSpin, Cohesionless>(law))
+            .or_else(|| Self::of::<CUT, MindlinTotalSpring, ConstantTorque, Cohesionless>(law))
+            .or_else(|| Self::of::<CUT, MindlinTotalSpring, AbsoluteSpin, Cohesionless>(law))
     }
 }
 
 /// Constants of all laws of a table, if the kernel knows every one of them.
 pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
     laws.iter()
-        .map(|law| Constants::of::<true>(law).or_else(|| Constants::of::<false>(law)))
+        .map(|law| Constants::of_any::<true>(law).or_else(|| Constants::of_any::<false>(law)))
         .collect()
 }
 

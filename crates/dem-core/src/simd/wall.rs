@@ -197,7 +197,7 @@ impl PairKernel<'_> {
         };
         let m = &mut g.memory;
         let old = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
-        let out = respond::<V, FAST>(&motion, &laws, self.cohesive, old, V::load(&m[3]), touching);
+        let out = respond::<V, FAST>(&motion, &laws, self.features, old, V::load(&m[3]), touching);
         let none = V3::splat(0.0);
         let spring = out.spring.select(touching, none);
         spring.x.store(&mut m[0]);

@@ -1,8 +1,10 @@
 //! Vector kernels give the bits of the portable one.
 
+use dem_core::contact::rolling::AbsoluteSpin;
+use dem_core::contact::tangential::MindlinTotalSpring;
 use dem_core::prelude::*;
 
-use crate::scenes::{Model, cohesive_drum, drum, model};
+use crate::scenes::{Model, cohesive_drum, drum, drum_of, model};
 
 fn hashes(ratio: f64, kernels: Kernels, periodic: bool) -> Vec<u64> {
     let mut b = drum(400, ratio, 1);
@@ -51,6 +53,57 @@ fn cohesive_kernels_agree_bit_by_bit() {
         world.run(3000).unwrap();
         assert_eq!(free.last(), Some(&world.state_hash()), "{ratio}");
     }
+}
+
+/// Hashes of a drum under a law made of the usual one.
+fn hashes_of<M: ContactLaw + 'static>(
+    kernels: Kernels,
+    ratio: f64,
+    law: impl Fn(Model) -> M,
+) -> Vec<u64> {
+    let mut world = drum_of(400, ratio, 1, law).kernels(kernels).build().unwrap();
+    let each = |_| {
+        world.run(100).unwrap();
+        world.state_hash()
+    };
+    (0..30).map(each).collect()
+}
+
+/// Under `law` all kernels give one result, which is not that of the usual law.
+fn kernels_agree<M: ContactLaw + 'static>(name: &str, law: impl Fn(Model) -> M + Copy) {
+    for ratio in [1.0, 1.6] {
+        let portable = hashes_of(Kernels::Portable, ratio, law);
+        assert_eq!(portable, hashes_of(Kernels::Avx2, ratio, law), "{name}: AVX2, {ratio}");
+        assert_eq!(portable, hashes_of(Kernels::Fastest, ratio, law), "{name}: fastest, {ratio}");
+        assert_ne!(portable, hashes_of(Kernels::Fastest, ratio, |m| m), "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn static_and_kinetic_friction_agree_bit_by_bit() {
+    kernels_agree("kinetic", |mut m| {
+        m.tangential.friction.mu_kinetic = 0.6 * m.tangential.friction.mu_static;
+        m
+    });
+}
+
+#[test]
+fn compatibility_laws_agree_bit_by_bit() {
+    kernels_agree("total spring", |Model { normal, tangential, rolling, cohesion }| ContactModel {
+        normal,
+        tangential: MindlinTotalSpring(tangential),
+        rolling,
+        cohesion,
+    });
+    kernels_agree("absolute spin", |Model { normal, tangential, rolling, cohesion }| {
+        ContactModel { normal, tangential, rolling: AbsoluteSpin { arm: rolling.arm }, cohesion }
+    });
+    kernels_agree("EDEM", |Model { normal, tangential, rolling, cohesion }| ContactModel {
+        normal,
+        tangential: MindlinTotalSpring(tangential),
+        rolling: AbsoluteSpin { arm: rolling.arm },
+        cohesion,
+    });
 }
 
 #[test]

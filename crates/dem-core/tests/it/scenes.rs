@@ -77,7 +77,8 @@ pub(crate) fn cohesive_drum(
     })
 }
 
-fn drum_of<M: ContactLaw + 'static>(
+/// The same with a law made of the usual one.
+pub(crate) fn drum_of<M: ContactLaw + 'static>(
     count: usize,
     ratio: f64,
     threads: usize,

@@ -45,6 +45,8 @@ pub(crate) enum Kind {
     HertzMindlin { cut_tail: bool },
     /// The same with the pull of simplified JKR.
     Cohesive { cut_tail: bool },
+    /// EDEM's: the shear spring taken as a whole, the torque against each body's own spin.
+    Edem { cut_tail: bool },
     /// Any laws with a shear spring.
     Spring,
     /// Any laws with micro-slip.
@@ -53,17 +55,21 @@ pub(crate) enum Kind {
 
 impl Kind {
     pub(crate) fn of(contact: &Contact) -> Self {
-        let fast = contact.normal == NormalLaw::Hertz
-            && contact.tangential == TangentialLaw::Mindlin
-            && matches!(contact.rolling, RollingLaw::ConstantTorque | RollingLaw::None)
-            && matches!(
-                contact.cohesion,
-                Cohesion::None | Cohesion::Capillary | Cohesion::SimplifiedJkr
-            );
+        let hertz = contact.normal == NormalLaw::Hertz;
+        let dry = matches!(contact.cohesion, Cohesion::None | Cohesion::Capillary);
+        let constant = matches!(contact.rolling, RollingLaw::ConstantTorque | RollingLaw::None);
+        let absolute = contact.rolling == RollingLaw::AbsoluteSpin;
         let cut_tail = !contact.attractive_tail;
         match contact.tangential {
-            _ if fast && contact.cohesion == Cohesion::SimplifiedJkr => Self::Cohesive { cut_tail },
-            _ if fast => Self::HertzMindlin { cut_tail },
+            TangentialLaw::Mindlin if hertz && constant && dry => Self::HertzMindlin { cut_tail },
+            TangentialLaw::Mindlin
+                if hertz && constant && contact.cohesion == Cohesion::SimplifiedJkr =>
+            {
+                Self::Cohesive { cut_tail }
+            }
+            TangentialLaw::MindlinTotalSpring if hertz && absolute && dry => {
+                Self::Edem { cut_tail }
+            }
             TangentialLaw::Mindlin
             | TangentialLaw::MindlinTotalSpring
             | TangentialLaw::LinearSpring => Self::Spring,
@@ -75,6 +81,8 @@ impl Kind {
 /// The products that have a vector kernel.
 pub(crate) type HertzMindlin<const CUT: bool, C = Cohesionless> =
     ContactModel<Hertz<CUT>, Mindlin, ConstantTorque, C>;
+pub(crate) type Edem<const CUT: bool> =
+    ContactModel<Hertz<CUT>, MindlinTotalSpring, AbsoluteSpin, Cohesionless>;
 
 /// What the laws of one pair are made from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,6 +132,13 @@ impl Constants {
         let HertzMindlin { normal, tangential, rolling, .. } = self.hertz_mindlin::<CUT>()?;
         let cohesion = SjkrSpec { energy_density: self.energy_density }.try_into()?;
         Ok(ContactModel { normal, tangential, rolling, cohesion })
+    }
+
+    /// EDEM's laws.
+    pub(crate) fn edem<const CUT: bool>(&self) -> Result<Edem<CUT>, Error> {
+        let HertzMindlin { normal, tangential, cohesion, .. } = self.hertz_mindlin::<CUT>()?;
+        let rolling = AbsoluteSpin::try_from(self.torque())?;
+        Ok(ContactModel { normal, tangential: MindlinTotalSpring(tangential), rolling, cohesion })
     }
 
     /// Any laws with a shear spring.

@@ -45,11 +45,8 @@ impl TangentialLaw for MindlinTotalSpring {
         memory: &mut SpringMemory,
     ) -> TangentialResponse {
         let stiffness = 8.0 * self.0.g_star * normal.contact_radius;
-        let dashpot = if self.0.damping > 0.0 {
-            self.0.damping * (pair.m_star * stiffness).sqrt()
-        } else {
-            0.0
-        };
+        let root = (pair.m_star * normal.contact_radius).sqrt() * (8.0 * self.0.g_star).sqrt();
+        let dashpot = if self.0.damping > 0.0 { self.0.damping * root } else { 0.0 };
         // k/k0 unbounded keeps the displacement T0/k0 whatever the load does.
         let share = if memory.stiffness > 0.0 { stiffness / memory.stiffness } else { 1.0 };
         SpringStep { stiffness, share, dashpot }.advance(&self.0.friction, motion, normal, memory)
