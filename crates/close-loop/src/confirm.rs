@@ -246,7 +246,9 @@ fn fresh(
             (Some(h), false, false) => own(h, i - fitted, j - fitted),
             _ => 0.0,
         };
-        measured + predicted.covariance(place[i], place[j])
+        let at = |i: usize| (items[i].omega_rpm, items[i].response.index());
+        let codes = state.setup.codes.as_ref().map_or(0.0, |c| c.covariance(at(i), at(j)));
+        measured + codes + predicted.covariance(place[i], place[j])
     };
     let residual: Vec<f64> =
         items.iter().zip(&place).map(|(o, p)| o.mean - predicted.mean[*p]).collect();
@@ -387,6 +389,12 @@ fn assumed(
             state.setup.knots.len(),
             this.measured.rows.len()
         ));
+    }
+    if state.setup.codes.is_some() {
+        all.push(
+            "The data may differ from any simulation by what codes differ among themselves, as the case tells."
+                .to_owned(),
+        );
     }
     all.extend(state.setup.cast.assumed());
     for n in &this.case.nuisance {

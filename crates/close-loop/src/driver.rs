@@ -642,7 +642,7 @@ impl State<'_> {
             base: self.problem(base),
             candidates,
             pair_models,
-            code_covariance: None,
+            code_covariance: self.setup.codes.clone(),
             held_out: self.setup.held_out.clone(),
             experiments: Vec::new(),
             settings: settings.clone(),

@@ -1,6 +1,6 @@
 //! What a case asks for, and how many runs go where.
 
-use calib::attribution::Settings as AttributionSettings;
+use calib::attribution::{CodeCovariance, Settings as AttributionSettings};
 use calib::{FrameCorrelation, FreeParameter, Nuisance, Observations};
 use rig_schema::{Case, Layer, MeasuredTable, Rig, Simulator, namespace};
 
@@ -28,6 +28,8 @@ pub struct LoopSettings {
     pub fidelity: Fidelity,
     /// Seed of designs and fillings.
     pub seed: u64,
+    /// By how much codes differ that simulate the same.
+    pub codes: Option<CodeCovariance>,
     /// Levels and sizes of the statistics.
     pub attribution: AttributionSettings,
 }
@@ -45,6 +47,7 @@ impl Default for LoopSettings {
             predict: Vec::new(),
             fidelity: Fidelity::Case,
             seed: 1,
+            codes: None,
             attribution,
         }
     }
@@ -163,6 +166,8 @@ pub(crate) struct Setup {
     pub(crate) catalogue: Catalogue,
     /// Speeds to predict, rpm.
     pub(crate) predict: Vec<f64>,
+    /// By how much codes differ.
+    pub(crate) codes: Option<CodeCovariance>,
 }
 
 impl Setup {
@@ -239,6 +244,7 @@ impl Setup {
             simulated,
             catalogue,
             predict: settings.predict.clone(),
+            codes: settings.codes.clone(),
         })
     }
 

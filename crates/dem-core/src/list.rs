@@ -300,7 +300,7 @@ const CANDIDATES: usize = 512;
 const TOUCHES: u32 = 1 << 31;
 
 /// Places of the set bits among eight, the lowest first; the rest is of no account.
-const SET_BITS: [[u8; LANES]; 256] = {
+pub(crate) const SET_BITS: [[u8; LANES]; 256] = {
     let (mut table, mut bits) = ([[0; LANES]; 256], 0);
     while bits < 256 {
         let (mut lane, mut set) = (0, 0);

@@ -102,6 +102,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.state.bodies.linear_memory.resize(remembered, Record::default());
         self.state.pairs.sort_by_second();
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
+        self.scratch.cleared_for = None;
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;
         self.ledger_wanted = snapshot.ledger_wanted;
@@ -133,7 +134,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
-const MAGIC: u64 = u64::from_le_bytes(*b"demcore1");
+const MAGIC: u64 = u64::from_le_bytes(*b"demcore2");
 
 impl Snapshot {
     /// The snapshot as bytes: little-endian numbers behind a version mark, with a checksum.

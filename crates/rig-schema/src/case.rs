@@ -18,6 +18,9 @@ pub struct Data {
     /// Independent frames in the mean of one speed (the printed scatter is that of all frames);
     /// 15 where neither the file nor the table says.
     pub n_eff: Option<f64>,
+    /// Table of what another code says of drums that are alike, relative to the case file: the data may
+    /// differ from any simulation by as much.
+    pub code_differences: Option<String>,
 }
 
 /// A parameter that is fitted.

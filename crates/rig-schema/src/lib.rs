@@ -29,6 +29,7 @@
 //! ```
 
 mod case;
+mod code_differences;
 mod diagnostic;
 mod document;
 mod errata;
@@ -39,11 +40,13 @@ mod plan;
 mod response;
 mod rig;
 mod settings;
+mod sheet;
 mod table;
 
 pub use case::{
     Case, CatalogueChoice, Data, Free, Holdout, Nuisance, Simulator, TableBasis, TableSimulator,
 };
+pub use code_differences::CodeDifferences;
 pub use diagnostic::Diagnostic;
 pub use errata::{Action, Errata, ErrataLevel, Erratum, Tag};
 pub use error::SchemaError;

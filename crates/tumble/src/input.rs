@@ -22,6 +22,9 @@ pub(crate) enum InputError {
     /// A setting on the command line.
     #[error("`{path}` = {value}: expected {expected}")]
     Setting { path: String, value: f64, expected: String },
+    /// Something that a table of simulated responses cannot answer.
+    #[error("{what} needs simulations; expected a case with [simulator.rig]")]
+    NeedsRig { what: &'static str },
     /// A folder without pictures.
     #[error("{path} holds no picture; expected PNG, JPEG, TIFF or BMP files")]
     NoPictures { path: String },
@@ -137,6 +140,15 @@ pub(crate) struct CaseText {
     pub(crate) asked: String,
     pub(crate) case: Text,
     pub(crate) measured: Text,
+    /// What codes differ by, where the case names it.
+    pub(crate) codes: Option<Text>,
+}
+
+impl CaseText {
+    /// All files, with their hashes.
+    pub(crate) fn inputs(&self) -> Vec<InputFile> {
+        [&self.case, &self.measured].into_iter().chain(&self.codes).map(Text::input).collect()
+    }
 }
 
 /// Read a case by file or built-in name; without one, the embedded drum.
@@ -146,6 +158,7 @@ pub(crate) fn case_text(name: Option<&str>) -> anyhow::Result<CaseText> {
             asked: String::new(),
             case: fixture("demo/drum.toml")?,
             measured: fixture("demo/measured.csv")?,
+            codes: None,
         });
     };
     let path = Path::new(name);
@@ -157,9 +170,10 @@ pub(crate) fn case_text(name: Option<&str>) -> anyhow::Result<CaseText> {
         let known = tumble_fixtures::CASES.join(", ");
         return Err(InputError::NoCase { name: name.to_owned(), known }.into());
     };
-    let responses = Case::parse(&case.name, &case.text)?.data.responses;
-    let measured = place.read(&responses)?;
-    Ok(CaseText { asked: name.to_owned(), case, measured })
+    let data = Case::parse(&case.name, &case.text)?.data;
+    let measured = place.read(&data.responses)?;
+    let codes = data.code_differences.map(|file| place.read(&file)).transpose()?;
+    Ok(CaseText { asked: name.to_owned(), case, measured, codes })
 }
 
 /// Load a case by file or built-in name.

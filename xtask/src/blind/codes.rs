@@ -67,9 +67,33 @@ pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<(
             other.push(theirs);
         }
     }
+    crate::write_whole(&folder.join("codes.csv"), &differences(&speeds, &other, &own, fillings))?;
     println!("{}", table("LIGGGHTS less Tumble", &speeds, &difference(&other, &own)));
     println!("{}", table("Half the step less the step", &speeds, &difference(&fine, &own)));
     Ok(())
+}
+
+/// Differences by friction and speed, means over fillings: what `data.code_differences` of a case asks for.
+fn differences(speeds: &[f64], other: &[Run], own: &[Run], fillings: u64) -> String {
+    let mut text = String::from("pair,omega_rpm");
+    for r in Response::ALL {
+        let _ = write!(text, ",{}", r.column());
+    }
+    text.push('\n');
+    let n = fillings as usize;
+    for (pair, (other, own)) in other.chunks(n).zip(own.chunks(n)).enumerate() {
+        for (k, speed) in speeds.iter().enumerate() {
+            let _ = write!(text, "{},{speed}", pair + 1);
+            for r in 0..4 {
+                let mean = |runs: &[Run]| {
+                    runs.iter().map(|run| run.speeds[k].mean[r]).sum::<f64>() / n as f64
+                };
+                let _ = write!(text, ",{:.4}", mean(other) - mean(own));
+            }
+            text.push('\n');
+        }
+    }
+    text
 }
 
 fn table(title: &str, speeds: &[f64], all: &[[(f64, f64); 4]]) -> String {

@@ -1,18 +1,18 @@
 //! The Verlet list: pairs in reach, touching ones first, with what their contacts remember.
 //!
 //! Pairs that touch (or nearly so) when the list is made come first, then those that are merely
-//! near; both runs are sorted by their first sphere. What contacts remember is stored in blocks
-//! of eight pairs, slot by slot, so that eight pairs load as one vector. The list also holds the
-//! touching pairs by their second sphere, so that any run of spheres can collect its forces in a
-//! fixed order, whichever thread computed them.
+//! near; both runs are sorted by their first sphere. What a contact remembers is stored in one
+//! piece, so that any eight pairs can be computed together. The list also holds the touching pairs
+//! by their second sphere, so that any run of spheres can collect its forces in a fixed order,
+//! whichever thread computed them.
 
-/// Pairs in one block of remembered numbers.
+/// Pairs in one block of the list.
 pub(crate) const LANES: usize = 8;
 
 /// Place of number `slot` of contact `pair`.
 #[inline(always)]
 pub(crate) fn memory_index(slots: usize, pair: usize, slot: usize) -> usize {
-    (pair / LANES * slots + slot) * LANES + pair % LANES
+    pair * slots + slot
 }
 
 /// Round up to whole blocks.
@@ -31,7 +31,7 @@ pub(crate) struct PairList {
     pub(crate) second: Vec<u32>,
     /// 1 for a pair in contact.
     pub(crate) active: Vec<u8>,
-    /// What contacts remember, in blocks.
+    /// What contacts remember, contact by contact.
     pub(crate) memory: Vec<f64>,
     /// Number of touching pairs: they are `0..touching`.
     pub(crate) touching: usize,
@@ -144,10 +144,8 @@ impl PairList {
             let (a, b) = (now(old.first[was]), now(old.second[was]));
             let Some(pair) = self.find(a as usize, b) else { continue };
             self.active[pair] = 1;
-            for slot in 0..self.slots {
-                self.memory[memory_index(self.slots, pair, slot)] =
-                    old.memory[memory_index(self.slots, was, slot)];
-            }
+            let (to, from) = (pair * self.slots, was * self.slots);
+            self.memory[to..to + self.slots].copy_from_slice(&old.memory[from..from + self.slots]);
         }
     }
 

@@ -42,24 +42,52 @@ impl Neg for Wide {
 }
 
 /// # Safety
-/// AVX is there and every place is below the length of `records`.
+/// AVX is there and the four numbers of the place can be read.
 #[inline(always)]
-unsafe fn record(records: &[Record], place: u32) -> __m256d {
-    debug_assert!((place as usize) < records.len());
-    // SAFETY: a record is four numbers at an address that is a multiple of 32.
-    unsafe { _mm256_load_pd(records.as_ptr().add(place as usize).cast()) }
+unsafe fn quad(from: *const f64, place: u32) -> __m256d {
+    // SAFETY: by the caller.
+    unsafe { _mm256_loadu_pd(from.add(4 * place as usize)) }
 }
 
-/// Records `k` and `k + 4` of eight, side by side.
+/// # Safety
+/// AVX is there and the four numbers of the place can be written.
+#[inline(always)]
+unsafe fn put_quad(to: *mut f64, place: u32, four: __m256d) {
+    // SAFETY: by the caller.
+    unsafe { _mm256_storeu_pd(to.add(4 * place as usize), four) }
+}
+
+/// Quads `k` and `k + 4` of eight, side by side.
 ///
 /// # Safety
-/// AVX-512 is there and every place is below the length of `records`.
+/// AVX-512 is there and the numbers of every place can be read.
 #[inline(always)]
-unsafe fn rows(records: &[Record], p: &[u32; 8], k: usize) -> __m512d {
+unsafe fn rows(from: *const f64, p: &[u32; 8], k: usize) -> __m512d {
     // SAFETY: by the caller.
     unsafe {
-        let low = _mm512_castpd256_pd512(record(records, p[k]));
-        _mm512_insertf64x4::<1>(low, record(records, p[k + 4]))
+        let low = _mm512_castpd256_pd512(quad(from, p[k]));
+        _mm512_insertf64x4::<1>(low, quad(from, p[k + 4]))
+    }
+}
+
+/// Rows of eight quads from their fields: `k` and `k + 4` side by side.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+unsafe fn rows_of([x, y, z, w]: [Wide; 4]) -> [__m512d; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (xy, xy2) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+        let (zw, zw2) = (_mm512_unpacklo_pd(z.0, w.0), _mm512_unpackhi_pd(z.0, w.0));
+        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+        [
+            _mm512_permutex2var_pd(xy, low, zw),
+            _mm512_permutex2var_pd(xy2, low, zw2),
+            _mm512_permutex2var_pd(xy, high, zw),
+            _mm512_permutex2var_pd(xy2, high, zw2),
+        ]
     }
 }
 
@@ -143,39 +171,31 @@ impl Lanes for Wide {
         unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    unsafe fn gather(records: &[Record], p: &[u32; 8]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
         unsafe {
-            let (a, b) = (rows(records, p, 0), rows(records, p, 1));
-            columns([a, b, rows(records, p, 2), rows(records, p, 3)])
+            let (a, b) = (rows(from, p, 0), rows(from, p, 1));
+            columns([a, b, rows(from, p, 2), rows(from, p, 3)])
+        }
+    }
+    #[inline(always)]
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, p: &[u32; 8]) {
+        unsafe {
+            for (k, v) in rows_of(fields).into_iter().enumerate() {
+                put_quad(to, p[k], _mm512_castpd512_pd256(v));
+                put_quad(to, p[k + 4], _mm512_extractf64x4_pd::<1>(v));
+            }
         }
     }
     #[inline(always)]
     unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
+        let from = records.as_ptr().cast();
         unsafe {
             columns([
-                _mm512_sub_pd(rows(records, of, 0), rows(records, less, 0)),
-                _mm512_sub_pd(rows(records, of, 1), rows(records, less, 1)),
-                _mm512_sub_pd(rows(records, of, 2), rows(records, less, 2)),
-                _mm512_sub_pd(rows(records, of, 3), rows(records, less, 3)),
+                _mm512_sub_pd(rows(from, of, 0), rows(from, less, 0)),
+                _mm512_sub_pd(rows(from, of, 1), rows(from, less, 1)),
+                _mm512_sub_pd(rows(from, of, 2), rows(from, less, 2)),
+                _mm512_sub_pd(rows(from, of, 3), rows(from, less, 3)),
             ])
-        }
-    }
-    #[inline(always)]
-    fn scatter([x, y, z, w]: [Self; 4], to: &mut [Record; 8]) {
-        unsafe {
-            let (xy, xy2) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
-            let (zw, zw2) = (_mm512_unpacklo_pd(z.0, w.0), _mm512_unpackhi_pd(z.0, w.0));
-            let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-            let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-            let out: *mut f64 = to.as_mut_ptr().cast();
-            let put = |k: usize, v: __m512d| {
-                _mm256_store_pd(out.add(4 * k), _mm512_castpd512_pd256(v));
-                _mm256_store_pd(out.add(4 * (k + 4)), _mm512_extractf64x4_pd::<1>(v));
-            };
-            put(0, _mm512_permutex2var_pd(xy, low, zw));
-            put(1, _mm512_permutex2var_pd(xy2, low, zw2));
-            put(2, _mm512_permutex2var_pd(xy, high, zw));
-            put(3, _mm512_permutex2var_pd(xy2, high, zw2));
         }
     }
 }
@@ -305,33 +325,33 @@ impl Lanes for Pair {
         }
     }
     #[inline(always)]
-    unsafe fn gather(records: &[Record], p: &[u32; 8]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
         unsafe {
-            let r = |k: usize| record(records, p[k]);
+            let r = |k: usize| quad(from, p[k]);
             let low = transpose(r(0), r(1), r(2), r(3));
             let high = transpose(r(4), r(5), r(6), r(7));
             std::array::from_fn(|k| Self(low[k], high[k]))
+        }
+    }
+    #[inline(always)]
+    unsafe fn put_quads([x, y, z, w]: [Self; 4], to: *mut f64, p: &[u32; 8]) {
+        unsafe {
+            for (k, v) in transpose(x.0, y.0, z.0, w.0).into_iter().enumerate() {
+                put_quad(to, p[k], v);
+            }
+            for (k, v) in transpose(x.1, y.1, z.1, w.1).into_iter().enumerate() {
+                put_quad(to, p[k + 4], v);
+            }
         }
     }
     #[inline(always)]
     unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
+        let from = records.as_ptr().cast();
         unsafe {
-            let r = |k: usize| _mm256_sub_pd(record(records, of[k]), record(records, less[k]));
+            let r = |k: usize| _mm256_sub_pd(quad(from, of[k]), quad(from, less[k]));
             let low = transpose(r(0), r(1), r(2), r(3));
             let high = transpose(r(4), r(5), r(6), r(7));
             std::array::from_fn(|k| Self(low[k], high[k]))
-        }
-    }
-    #[inline(always)]
-    fn scatter([x, y, z, w]: [Self; 4], to: &mut [Record; 8]) {
-        unsafe {
-            let out: *mut f64 = to.as_mut_ptr().cast();
-            for (k, v) in transpose(x.0, y.0, z.0, w.0).into_iter().enumerate() {
-                _mm256_store_pd(out.add(4 * k), v);
-            }
-            for (k, v) in transpose(x.1, y.1, z.1, w.1).into_iter().enumerate() {
-                _mm256_store_pd(out.add(4 * (k + 4)), v);
-            }
         }
     }
 }

@@ -21,31 +21,25 @@ pub(super) trait Blocks: Numbers {
     fn of(f: impl Fn(usize, usize) -> f64) -> Self;
     /// The numbers of each block.
     fn each(self) -> [[f64; 8]; MOST];
-    /// One slot of what contacts remember.
-    fn load_slot<const N: usize>(memory: &[[f64; N]], slot: usize) -> Self;
-    fn store_slot<const N: usize>(self, memory: &mut [[f64; N]], slot: usize);
-    /// As [`Lanes::gather`].
+    /// As [`Lanes::quads`], block by block.
     ///
     /// # Safety
-    /// Every place is below the length of `records`.
-    unsafe fn gather(records: &[Record], places: &[[u32; 8]]) -> [Self; 4];
+    /// All of them can be read.
+    unsafe fn quads(from: *const f64, places: &[[u32; 8]; MOST]) -> [Self; 4];
+    /// As [`Lanes::put_quads`], block by block.
+    ///
+    /// # Safety
+    /// All of them can be written.
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]; MOST]);
     /// As [`Lanes::gather_difference`].
     ///
     /// # Safety
     /// Every place is below the length of `records`.
     unsafe fn gather_difference(
         records: &[Record],
-        of: &[[u32; 8]],
-        less: &[[u32; 8]],
+        of: &[[u32; 8]; MOST],
+        less: &[[u32; 8]; MOST],
     ) -> [Self; 4];
-    /// As [`Lanes::scatter`].
-    fn scatter(fields: [Self; 4], to: &mut [[Record; 8]]);
-}
-
-/// Eight numbers of a slot.
-#[inline(always)]
-fn slot_of<const N: usize>(memory: &[f64; N], slot: usize) -> &[f64; 8] {
-    &memory.as_chunks::<8>().0[slot]
 }
 
 impl<V: Lanes> Blocks for V {
@@ -69,30 +63,23 @@ impl<V: Lanes> Blocks for V {
         all
     }
     #[inline(always)]
-    fn load_slot<const N: usize>(memory: &[[f64; N]], slot: usize) -> Self {
-        V::load(slot_of(&memory[0], slot))
-    }
-    #[inline(always)]
-    fn store_slot<const N: usize>(self, memory: &mut [[f64; N]], slot: usize) {
-        self.store(&mut memory[0].as_chunks_mut::<8>().0[slot]);
-    }
-    #[inline(always)]
-    unsafe fn gather(records: &[Record], places: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, places: &[[u32; 8]; MOST]) -> [Self; 4] {
         // SAFETY: by the caller.
-        unsafe { <V as Lanes>::gather(records, &places[0]) }
+        unsafe { <V as Lanes>::quads(from, &places[0]) }
+    }
+    #[inline(always)]
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]; MOST]) {
+        // SAFETY: by the caller.
+        unsafe { <V as Lanes>::put_quads(fields, to, &places[0]) }
     }
     #[inline(always)]
     unsafe fn gather_difference(
         records: &[Record],
-        of: &[[u32; 8]],
-        less: &[[u32; 8]],
+        of: &[[u32; 8]; MOST],
+        less: &[[u32; 8]; MOST],
     ) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe { <V as Lanes>::gather_difference(records, &of[0], &less[0]) }
-    }
-    #[inline(always)]
-    fn scatter(fields: [Self; 4], to: &mut [[Record; 8]]) {
-        <V as Lanes>::scatter(fields, &mut to[0]);
     }
 }
 
@@ -223,37 +210,31 @@ impl<V: Lanes> Blocks for Two<V> {
         all
     }
     #[inline(always)]
-    fn load_slot<const N: usize>(memory: &[[f64; N]], slot: usize) -> Self {
-        Self(V::load(slot_of(&memory[0], slot)), V::load(slot_of(&memory[1], slot)))
-    }
-    #[inline(always)]
-    fn store_slot<const N: usize>(self, memory: &mut [[f64; N]], slot: usize) {
-        self.0.store(&mut memory[0].as_chunks_mut::<8>().0[slot]);
-        self.1.store(&mut memory[1].as_chunks_mut::<8>().0[slot]);
-    }
-    #[inline(always)]
-    unsafe fn gather(records: &[Record], places: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, places: &[[u32; 8]; MOST]) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {
-            let first = <V as Lanes>::gather(records, &places[0]);
-            joined(first, <V as Lanes>::gather(records, &places[1]))
+            let first = <V as Lanes>::quads(from, &places[0]);
+            joined(first, <V as Lanes>::quads(from, &places[1]))
+        }
+    }
+    #[inline(always)]
+    unsafe fn put_quads([x, y, z, w]: [Self; 4], to: *mut f64, places: &[[u32; 8]; MOST]) {
+        // SAFETY: by the caller.
+        unsafe {
+            <V as Lanes>::put_quads([x.0, y.0, z.0, w.0], to, &places[0]);
+            <V as Lanes>::put_quads([x.1, y.1, z.1, w.1], to, &places[1]);
         }
     }
     #[inline(always)]
     unsafe fn gather_difference(
         records: &[Record],
-        of: &[[u32; 8]],
-        less: &[[u32; 8]],
+        of: &[[u32; 8]; MOST],
+        less: &[[u32; 8]; MOST],
     ) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {
             let first = <V as Lanes>::gather_difference(records, &of[0], &less[0]);
             joined(first, <V as Lanes>::gather_difference(records, &of[1], &less[1]))
         }
-    }
-    #[inline(always)]
-    fn scatter([x, y, z, w]: [Self; 4], to: &mut [[Record; 8]]) {
-        <V as Lanes>::scatter([x.0, y.0, z.0, w.0], &mut to[0]);
-        <V as Lanes>::scatter([x.1, y.1, z.1, w.1], &mut to[1]);
     }
 }

@@ -11,7 +11,9 @@ use super::blocks::{Blocks, MOST, Two};
 use super::lanes::{Lanes, Mask, Numbers, V3};
 use super::{Constants, Form, Level};
 use crate::contact::spring::{COSINE, SINE};
+use crate::contact_stage::CHUNK;
 use crate::forces::{ChunkYield, SphereView};
+use crate::list::SET_BITS;
 use crate::particles::Record;
 
 /// Numbers that a contact of these laws remembers: the spring's force and its signed stiffness.
@@ -45,15 +47,29 @@ const BYTES: [[u8; 8]; 256] = {
 };
 
 /// Blocks of eight contacts that are computed together.
-struct Block<'a> {
-    first: &'a [[u32; 8]],
-    second: &'a [[u32; 8]],
+struct Block {
+    first: [[u32; 8]; MOST],
+    second: [[u32; 8]; MOST],
+    /// Places in the run.
+    pair: [[u32; 8]; MOST],
     /// Lanes that hold a contact.
     valid: [u8; MOST],
-    memory: &'a mut [[f64; 8 * SLOTS]],
-    force: &'a mut [[Record; 8]],
-    torque_first: &'a mut [[Record; 8]],
-    torque_second: &'a mut [[Record; 8]],
+}
+
+/// Where contacts of a run remember and write: four numbers each.
+#[derive(Clone, Copy)]
+struct Sinks {
+    memory: *mut f64,
+    force: *mut f64,
+    torque_first: *mut f64,
+    torque_second: *mut f64,
+}
+
+/// Pairs of a run that touch, or did and have something to forget.
+struct Acting {
+    /// Filled up to a whole block with one that does neither.
+    pair: [u32; CHUNK + 8],
+    count: usize,
 }
 
 /// What is the same for all pairs of spheres.
@@ -363,8 +379,9 @@ impl PairKernel<'_> {
             ) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
-                    let done = k.blocks::<Two<super::avx::Wide>, FAST, MORE>(run, 0, into);
-                    k.blocks::<super::avx::Wide, FAST, MORE>(run, done, into);
+                    let acting = k.acting::<super::avx::Wide>(run);
+                    let done = k.blocks::<Two<super::avx::Wide>, FAST, MORE>(run, &acting, 0, into);
+                    k.blocks::<super::avx::Wide, FAST, MORE>(run, &acting, done, into);
                 }
             }
             #[target_feature(enable = "avx2,popcnt")]
@@ -375,7 +392,8 @@ impl PairKernel<'_> {
             ) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
-                    k.blocks::<super::avx::Pair, false, MORE>(run, 0, into);
+                    let acting = k.acting::<super::avx::Pair>(run);
+                    k.blocks::<super::avx::Pair, false, MORE>(run, &acting, 0, into);
                 }
             }
             let more = self.features != Features::NONE;
@@ -424,65 +442,116 @@ impl PairKernel<'_> {
     unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
         let position = self.spheres.position;
         // SAFETY: by the caller.
-        let (pi, pj) = unsafe {
-            (<V as Lanes>::gather(position, first), <V as Lanes>::gather(position, second))
+        let (mut d, ri, rj) = unsafe {
+            match self.one_size {
+                Some([radius, _]) => {
+                    let d = <V as Lanes>::gather_difference(position, second, first);
+                    (V3::of(d), V::splat(radius), V::splat(radius))
+                }
+                None => {
+                    let pi = V::gather(position, first);
+                    let pj = V::gather(position, second);
+                    (V3::of(pj) - V3::of(pi), pi[3], pj[3])
+                }
+            }
         };
-        let mut d = V3::of(pj) - V3::of(pi);
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
-        let sum = pi[3] + pj[3];
+        let sum = ri + rj;
         d.dot(d).less(sum * sum)
     }
 
-    /// Compute the blocks from `done` on, by the usual laws or by `MORE`, as long as there are enough; returns how many are done then.
+    /// Look which pairs of a run act, and mark those that touch. The others feel nothing and remember
+    /// nothing, as before, so that they cost no more than this look: a third to a half of them.
     ///
     /// # Safety
     /// Every place in the run is that of a sphere.
     #[inline(always)]
-    unsafe fn blocks<V: Blocks, const FAST: bool, const MORE: bool>(
-        &self,
-        run: &mut Run<'_>,
-        mut done: usize,
-        into: &mut ChunkYield,
-    ) -> usize {
+    unsafe fn acting<V: Lanes>(&self, run: &mut Run<'_>) -> Acting {
         let (first, _) = run.first.as_chunks::<8>();
         let (second, _) = run.second.as_chunks::<8>();
         let (active, _) = run.active.as_chunks_mut::<8>();
-        let (memory, _) = run.memory.as_chunks_mut::<{ 8 * SLOTS }>();
-        let (force, _) = run.force.as_chunks_mut::<8>();
-        let (torque_first, _) = run.torque_first.as_chunks_mut::<8>();
-        let (torque_second, _) = run.torque_second.as_chunks_mut::<8>();
-        let laws = Laws::splat(&self.constants[0]);
-        // Not known to the compiler: it would take the exchanges of `scatter` apart for the sake of a zero.
-        let nothing = std::hint::black_box(0.0);
-        while done + V::COUNT <= active.len() {
-            let these = done..done + V::COUNT;
-            let valid = |k: usize| match run.pairs.saturating_sub(8 * k) {
+        debug_assert!(8 * active.len() <= CHUNK);
+        let mut acting = Acting { pair: [0; CHUNK + 8], count: 0 };
+        let mut idle = 0;
+        for (k, ((first, second), active)) in first.iter().zip(second).zip(active).enumerate() {
+            let valid = match run.pairs.saturating_sub(8 * k) {
                 left @ 0..8 => (1u8 << left) - 1,
                 _ => u8::MAX,
             };
-            let mut block = Block {
-                first: &first[these.clone()],
-                second: &second[these.clone()],
-                valid: [valid(done), valid(done + 1)],
-                memory: &mut memory[these.clone()],
-                force: &mut force[these.clone()],
-                torque_first: &mut torque_first[these.clone()],
-                torque_second: &mut torque_second[these.clone()],
-            };
             // SAFETY: by the caller.
-            let [touching, deep] =
-                unsafe { self.block::<V, FAST, MORE>(&mut block, &laws, nothing) };
-            for (active, touching) in active[these].iter_mut().zip(touching) {
-                *active = BYTES[usize::from(touching)];
-            }
-            if deep != [0; MOST] {
-                for (k, deep) in deep.into_iter().enumerate().take(V::COUNT) {
-                    self.note_deep(deep, &first[done + k], &second[done + k], into);
+            let touching = unsafe { self.near::<V>(first, second) } & valid;
+            // A byte of 0 or 1 each: their bits side by side.
+            let before = u64::from_le_bytes(*active).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+            let acts = touching | before as u8;
+            *active = BYTES[usize::from(touching)];
+            if let Some(to) = acting.pair[acting.count..].first_chunk_mut::<8>() {
+                for (to, lane) in to.iter_mut().zip(SET_BITS[usize::from(acts)]) {
+                    *to = 8 * k as u32 + u32::from(lane);
                 }
             }
-            done += V::COUNT;
+            acting.count += acts.count_ones() as usize;
+            if acts != u8::MAX {
+                idle = 8 * k as u32 + acts.trailing_ones();
+            }
+        }
+        // As many lanes are idle as a last block lacks, or more.
+        acting.pair[acting.count..].iter_mut().take(8).for_each(|p| *p = idle);
+        acting
+    }
+
+    /// Compute blocks of the pairs that act, from `done` pairs on, by the usual laws or by `MORE`, as long as there
+    /// are enough; returns how many pairs are done then.
+    ///
+    /// # Safety
+    /// Every place in the run is that of a sphere, and `acting` is of that run.
+    #[inline(always)]
+    unsafe fn blocks<V: Blocks, const FAST: bool, const MORE: bool>(
+        &self,
+        run: &mut Run<'_>,
+        acting: &Acting,
+        mut done: usize,
+        into: &mut ChunkYield,
+    ) -> usize {
+        let laws = Laws::splat(&self.constants[0]);
+        // Not known to the compiler: it would take the exchanges of `put_quads` apart for the sake of a zero.
+        let nothing = std::hint::black_box(0.0);
+        let sinks = Sinks {
+            memory: run.memory.as_mut_ptr(),
+            force: run.force.as_mut_ptr().cast(),
+            torque_first: run.torque_first.as_mut_ptr().cast(),
+            torque_second: run.torque_second.as_mut_ptr().cast(),
+        };
+        let whole = acting.count.next_multiple_of(8);
+        while done + 8 * V::COUNT <= whole {
+            let mut block = Block {
+                first: [[0; 8]; MOST],
+                second: [[0; 8]; MOST],
+                pair: [[0; 8]; MOST],
+                valid: [0; MOST],
+            };
+            for k in 0..V::COUNT {
+                let begin = done + 8 * k;
+                for lane in 0..8 {
+                    let pair = acting.pair[begin + lane];
+                    block.pair[k][lane] = pair;
+                    block.first[k][lane] = run.first[pair as usize];
+                    block.second[k][lane] = run.second[pair as usize];
+                }
+                block.valid[k] = match acting.count.saturating_sub(begin) {
+                    left @ 0..8 => (1u8 << left) - 1,
+                    _ => u8::MAX,
+                };
+            }
+            // SAFETY: by the caller; every pair is one of the run.
+            let deep = unsafe { self.block::<V, FAST, MORE>(&block, sinks, &laws, nothing) };
+            if deep != [0; MOST] {
+                for k in 0..V::COUNT {
+                    self.note_deep(deep[k], &block.first[k], &block.second[k], into);
+                }
+            }
+            done += 8 * V::COUNT;
         }
         done
     }
@@ -498,29 +567,31 @@ impl PairKernel<'_> {
         }
     }
 
-    /// Compute a block; returns which lanes touch and which overlap too deeply.
+    /// Compute a block; returns which lanes overlap too deeply.
     ///
     /// # Safety
-    /// Every place in `first` and `second` of a block is that of a sphere.
+    /// Every place in `first` and `second` of a block is that of a sphere; the sinks hold four numbers for each
+    /// of its pairs.
     #[inline(always)]
     unsafe fn block<V: Blocks, const FAST: bool, const MORE: bool>(
         &self,
-        b: &mut Block<'_>,
+        b: &Block,
+        sinks: Sinks,
         only: &Laws<V>,
         nothing: f64,
-    ) -> [[u8; MOST]; 2] {
+    ) -> [u8; MOST] {
         let s = &self.spheres;
         // Spheres alike: only differences are needed, and half as many exchanges.
         // SAFETY: by the caller.
         let (mut d, ri, rj) = unsafe {
             match self.one_size {
                 Some([radius, _]) => {
-                    let d = V::gather_difference(s.position, b.second, b.first);
+                    let d = V::gather_difference(s.position, &b.second, &b.first);
                     (V3::of(d), V::splat(radius), V::splat(radius))
                 }
                 None => {
-                    let pi = V::gather(s.position, b.first);
-                    let pj = V::gather(s.position, b.second);
+                    let pi = V::quads(s.position.as_ptr().cast(), &b.first);
+                    let pj = V::quads(s.position.as_ptr().cast(), &b.second);
                     (V3::of(pj) - V3::of(pi), pi[3], pj[3])
                 }
             }
@@ -531,13 +602,6 @@ impl PairKernel<'_> {
         let distance_squared = d.dot(d);
         let sum = ri + rj;
         let touching = distance_squared.less(sum * sum) & V::mask(b.valid);
-        if touching.is_empty() {
-            b.memory.fill([0.0; 8 * SLOTS]);
-            for wrench in [&mut b.force, &mut b.torque_first, &mut b.torque_second] {
-                wrench.fill([Record::ZERO; 8]);
-            }
-            return [[0; MOST]; 2];
-        }
         let (distance, inverse) = if FAST {
             let inverse = distance_squared.reciprocal_root();
             (distance_squared * inverse, inverse)
@@ -550,12 +614,12 @@ impl PairKernel<'_> {
         let (approach, mi, mj) = unsafe {
             match self.one_size {
                 Some([_, mass]) => {
-                    let v = V::gather_difference(s.mean_velocity, b.first, b.second);
+                    let v = V::gather_difference(s.mean_velocity, &b.first, &b.second);
                     (V3::of(v), V::splat(mass), V::splat(mass))
                 }
                 None => {
-                    let vi = V::gather(s.mean_velocity, b.first);
-                    let vj = V::gather(s.mean_velocity, b.second);
+                    let vi = V::quads(s.mean_velocity.as_ptr().cast(), &b.first);
+                    let vj = V::quads(s.mean_velocity.as_ptr().cast(), &b.second);
                     (V3::of(vi) - V3::of(vj), vi[3], vj[3])
                 }
             }
@@ -563,9 +627,9 @@ impl PairKernel<'_> {
         // SAFETY: by the caller.
         let (wi, wj, end) = unsafe {
             (
-                V::gather(s.mean_spin, b.first),
-                V::gather(s.mean_spin, b.second),
-                V3::of(V::gather_difference(s.end_velocity, b.first, b.second)),
+                V::quads(s.mean_spin.as_ptr().cast(), &b.first),
+                V::quads(s.mean_spin.as_ptr().cast(), &b.second),
+                V3::of(V::gather_difference(s.end_velocity, &b.first, &b.second)),
             )
         };
         let many;
@@ -607,35 +671,31 @@ impl PairKernel<'_> {
             twist: V::splat(0.5) * (wi + wj).dot(n) * dt,
             dt,
         };
-        let (old, old_stiffness) = load_memory::<V>(b.memory);
+        // SAFETY: by the caller.
+        let old = unsafe { V::quads(sinks.memory, &b.pair) };
         let features = if MORE { self.features } else { Features::NONE };
-        let out = respond::<V, FAST>(&motion, laws, features, old, old_stiffness, touching);
-        store(b, touching, &out, nothing);
-        [V::bits(touching), V::bits(deep)]
+        let out = respond::<V, FAST>(&motion, laws, features, V3::of(old), old[3], touching);
+        // SAFETY: by the caller.
+        unsafe { store(b, sinks, touching, &out, nothing) };
+        V::bits(deep)
     }
 }
 
+/// # Safety
+/// The sinks hold four numbers for each pair of the block.
 #[inline(always)]
-fn load_memory<V: Blocks>(memory: &[[f64; 8 * SLOTS]]) -> (V3<V>, V) {
-    let [x, y, z] = [V::load_slot(memory, 0), V::load_slot(memory, 1), V::load_slot(memory, 2)];
-    (V3 { x, y, z }, V::load_slot(memory, 3))
-}
-
-#[inline(always)]
-fn store<V: Blocks>(b: &mut Block<'_>, touching: V::Mask, out: &Out<V>, nothing: f64) {
+unsafe fn store<V: Blocks>(b: &Block, sinks: Sinks, touching: V::Mask, out: &Out<V>, nothing: f64) {
     let zero = V::splat(nothing);
     let none = V3::splat(0.0);
-    let spring = out.spring.select(touching, none);
-    spring.x.store_slot(b.memory, 0);
-    spring.y.store_slot(b.memory, 1);
-    spring.z.store_slot(b.memory, 2);
-    out.stiffness.select(touching, zero).store_slot(b.memory, 3);
-    for (v, to) in [
-        (out.force, &mut *b.force),
-        (out.torque_i, &mut *b.torque_first),
-        (out.torque_j, &mut *b.torque_second),
+    let stiffness = out.stiffness.select(touching, zero);
+    for (v, scalar, to) in [
+        (out.spring, stiffness, sinks.memory),
+        (out.force, zero, sinks.force),
+        (out.torque_i, zero, sinks.torque_first),
+        (out.torque_j, zero, sinks.torque_second),
     ] {
         let v = v.select(touching, none);
-        V::scatter([v.x, v.y, v.z, zero], to);
+        // SAFETY: by the caller.
+        unsafe { V::put_quads([v.x, v.y, v.z, scalar], to, &b.pair) };
     }
 }

@@ -50,18 +50,37 @@ impl Mask for u8 {
 pub(super) trait Lanes: Numbers<Mask = u8> {
     fn load(from: &[f64; 8]) -> Self;
     fn store(self, to: &mut [f64; 8]);
+    /// Four numbers at each of eight places, one vector for each of the four; place `p` begins at `4 p`.
+    ///
+    /// # Safety
+    /// All of them can be read.
+    unsafe fn quads(from: *const f64, places: &[u32; 8]) -> [Self; 4];
+    /// Put them there.
+    ///
+    /// # Safety
+    /// All of them can be written.
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[u32; 8]);
     /// The records at eight places, one vector a field.
     ///
     /// # Safety
     /// Every place is below the length of `records`.
-    unsafe fn gather(records: &[Record], places: &[u32; 8]) -> [Self; 4];
+    #[inline(always)]
+    unsafe fn gather(records: &[Record], places: &[u32; 8]) -> [Self; 4] {
+        debug_assert!(places.iter().all(|p| (*p as usize) < records.len()));
+        // SAFETY: by the caller; a record is four numbers.
+        unsafe { Self::quads(records.as_ptr().cast(), places) }
+    }
     /// The records at eight places less those at eight others, one vector a field.
     ///
     /// # Safety
     /// Every place is below the length of `records`.
     unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4];
     /// Eight records from their fields.
-    fn scatter(fields: [Self; 4], to: &mut [Record; 8]);
+    #[inline(always)]
+    fn scatter(fields: [Self; 4], to: &mut [Record; 8]) {
+        // SAFETY: eight records are eight times four numbers.
+        unsafe { Self::put_quads(fields, to.as_mut_ptr().cast(), &[0, 1, 2, 3, 4, 5, 6, 7]) }
+    }
 }
 
 /// Three vectors of lanes.

@@ -5,15 +5,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Context;
+use calib::attribution::CodeCovariance;
 use campaign::{Laboratory, Resolution, Sampling};
 use close_loop::{CloseLoop, CloseLoopError, Errors, LoopSettings, Outcome, ResponseErrors, Stage};
 use indicatif::{ProgressBar, ProgressStyle};
-use rig_schema::{Case, MeasuredTable, Simulator};
+use rig_schema::{Case, CodeDifferences, MeasuredTable, Simulator};
 use serde::Serialize;
 
 use super::budget;
 use crate::cli::CloseLoopArgs;
-use crate::input::{self, CaseText};
+use crate::input::{self, CaseText, InputError};
 use crate::output;
 use crate::report::closing::{Closed, page};
 
@@ -74,12 +75,16 @@ pub(crate) fn run(args: &CloseLoopArgs) -> anyhow::Result<()> {
     let text = input::case_text(args.case.as_deref())?;
     let case = Case::parse(&text.case.name, &text.case.text)?;
     let measured = MeasuredTable::parse(&text.measured.name, &text.measured.text)?;
+    if matches!(case.simulator, Simulator::Table(_)) {
+        refuse_what_needs_a_rig(args, &text)?;
+    }
+    let codes = code_covariance(&text)?;
     let folder = output::folder(args.out.as_deref(), &format!("close_loop_{}", case.rig.name))?;
     let outcome = match &case.simulator {
-        Simulator::Rig { .. } => by_runs(args, &case, &measured, &folder)?,
+        Simulator::Rig { .. } => by_runs(args, &case, &measured, codes, &folder)?,
         Simulator::Table(_) => by_table(args, &text)?,
     };
-    let inputs = vec![text.case.input(), text.measured.input()];
+    let inputs = text.inputs();
     let wall_s = begun.elapsed().as_secs_f64();
     let closed = Closed { outcome: &outcome, case: &case, inputs, args };
     let report = output::write(&folder, "report.html", &page(&closed).html())?;
@@ -94,10 +99,29 @@ pub(crate) fn run(args: &CloseLoopArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// What a table of simulated responses cannot answer.
+fn refuse_what_needs_a_rig(args: &CloseLoopArgs, text: &CaseText) -> Result<(), InputError> {
+    if !args.predict.is_empty() {
+        return Err(InputError::NeedsRig { what: "--predict" });
+    }
+    if text.codes.is_some() {
+        return Err(InputError::NeedsRig { what: "data.code_differences" });
+    }
+    Ok(())
+}
+
+/// By how much codes differ, where the case tells.
+fn code_covariance(text: &CaseText) -> anyhow::Result<Option<CodeCovariance>> {
+    let Some(codes) = &text.codes else { return Ok(None) };
+    let table = CodeDifferences::parse(&codes.name, &codes.text)?;
+    Ok(Some(CodeCovariance::from_differences(table.speeds_rpm, table.pairs)?))
+}
+
 fn by_runs(
     args: &CloseLoopArgs,
     case: &Case,
     measured: &MeasuredTable,
+    codes: Option<CodeCovariance>,
     folder: &std::path::Path,
 ) -> anyhow::Result<Outcome> {
     let resolution = Resolution { width_px: args.width, ..Resolution::default() };
@@ -111,6 +135,7 @@ fn by_runs(
         most_speeds: args.speeds,
         predict: speeds_to_predict(&args.predict)?,
         seed: args.seed,
+        codes,
         ..LoopSettings::default()
     };
     settings.attribution.bootstrap = args.bootstrap;
@@ -160,10 +185,6 @@ fn speeds_to_predict(asked: &[f64]) -> anyhow::Result<Vec<f64>> {
 }
 
 fn by_table(args: &CloseLoopArgs, text: &CaseText) -> anyhow::Result<Outcome> {
-    anyhow::ensure!(
-        args.predict.is_empty(),
-        "--predict needs simulations: expected a case with [simulator.rig]"
-    );
     let loaded = input::load(&text.asked, rig_schema::ErrataLevel::Certain)?;
     let study = calib::Study::new(&loaded.case, &loaded.measured, loaded.simulated)?;
     let mut settings = LoopSettings { seed: args.seed, ..LoopSettings::default() }.attribution;

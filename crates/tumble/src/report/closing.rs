@@ -366,6 +366,11 @@ fn stability(o: &Outcome) -> Section {
             rows,
         }));
     }
+    if let Some(without) = &o.finding.verdict_without_code {
+        section.blocks.push(Block::Paragraph(format!(
+            "If codes did not differ among themselves the data would say: {without:?}."
+        )));
+    }
     if let Some(over) = &o.finding.overturn {
         let sd = |v: Option<f64>| v.map_or_else(|| "more than 30".to_owned(), short);
         section.blocks.push(Block::Paragraph(format!(

@@ -147,3 +147,29 @@ fn calls_that_cannot_be_carried_out() {
     let args = ["calibrate", "AZ1_Steel", "--bootstrap", "0", "--out", "file"];
     insta::assert_snapshot!("30_output_is_a_file", refused(folder.path(), &args));
 }
+
+#[test]
+fn differences_between_codes_that_cannot_be_used() {
+    let drum = fixture("demo/drum.toml");
+    let named = drum.replace("[data]\n", "[data]\ncode_differences = \"codes.csv\"\n");
+    assert_ne!(drum, named);
+    let shown = |case: &str, codes: Option<&str>| {
+        let folder = tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        };
+        write("case.toml", case);
+        write("measured.csv", &fixture("demo/measured.csv"));
+        write("experiment_AZ4_Steel.csv", &fixture("thesis/tables/experiment_AZ4_Steel.csv"));
+        codes.iter().for_each(|text| write("codes.csv", text));
+        refused(folder.path(), &["close-loop", "case.toml", "--out", "tumble-out"])
+    };
+    assert!(shown(&named, None).contains("codes.csv cannot be read"));
+    let short = shown(&named, Some("pair,omega_rpm,aor_lin_deg\n1,20,0.5\n"));
+    assert!(short.contains("codes.csv:1") && short.contains("aor_mid_deg"), "{short}");
+    let of_a_table =
+        Mine::new().case.replace("[data]\n", "[data]\ncode_differences = \"codes.csv\"\n");
+    let header = "pair,omega_rpm,aor_lin_deg,aor_mid_deg,cen_x_pct,cen_y_pct\n";
+    let text = shown(&of_a_table, Some(&format!("{header}1,20,0,0,0,0\n")));
+    assert!(text.contains("data.code_differences needs simulations"), "{text}");
+}

@@ -60,6 +60,16 @@ impl TryFrom<MindlinSpec> for Mindlin {
     }
 }
 
+impl Mindlin {
+    /// Stiffness `k`, N/m, and the dashpot `alpha sqrt(m* k)`, N s/m.
+    #[inline]
+    pub(super) fn spring(&self, pair: &PairGeometry, normal: &NormalResponse) -> (f64, f64) {
+        let stiffness = 8.0 * self.g_star * normal.contact_radius;
+        let root = (pair.m_star * normal.contact_radius).sqrt() * (8.0 * self.g_star).sqrt();
+        (stiffness, if self.damping > 0.0 { self.damping * root } else { 0.0 })
+    }
+}
+
 impl TangentialLaw for Mindlin {
     type Memory = SpringMemory;
 
@@ -71,9 +81,7 @@ impl TangentialLaw for Mindlin {
         normal: &NormalResponse,
         memory: &mut SpringMemory,
     ) -> TangentialResponse {
-        let stiffness = 8.0 * self.g_star * normal.contact_radius;
-        let root = (pair.m_star * normal.contact_radius).sqrt() * (8.0 * self.g_star).sqrt();
-        let dashpot = if self.damping > 0.0 { self.damping * root } else { 0.0 };
+        let (stiffness, dashpot) = self.spring(pair, normal);
         let share = kept_share(stiffness, memory.stiffness);
         SpringStep { stiffness, share, dashpot }.advance(&self.friction, motion, normal, memory)
     }

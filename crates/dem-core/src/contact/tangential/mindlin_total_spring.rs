@@ -44,9 +44,7 @@ impl TangentialLaw for MindlinTotalSpring {
         normal: &NormalResponse,
         memory: &mut SpringMemory,
     ) -> TangentialResponse {
-        let stiffness = 8.0 * self.0.g_star * normal.contact_radius;
-        let root = (pair.m_star * normal.contact_radius).sqrt() * (8.0 * self.0.g_star).sqrt();
-        let dashpot = if self.0.damping > 0.0 { self.0.damping * root } else { 0.0 };
+        let (stiffness, dashpot) = self.0.spring(pair, normal);
         // k/k0 unbounded keeps the displacement T0/k0 whatever the load does.
         let share = if memory.stiffness > 0.0 { stiffness / memory.stiffness } else { 1.0 };
         SpringStep { stiffness, share, dashpot }.advance(&self.0.friction, motion, normal, memory)
