@@ -1,15 +1,26 @@
-//! One drum of the thesis with one thing changed at a time: end plates, laws, step.
+//! Drums of the thesis with one thing changed at a time: end plates, laws, step, constants.
 //!
-//! AZ1_Plexi at 17 rpm with friction 0.5 between beads and 0.6 at walls (run N14 of Table 8). Rows are
-//! kept in `target/reproduce/variants`; the same call goes on where it was stopped.
+//! Rows are kept in `target/reproduce/variants`; the same call goes on where it was stopped.
 
 use std::fmt::Write as _;
 
 use close_loop::campaign::{Laboratory, Run, Sampling};
 use close_loop::rig_schema::{Response, Rig};
-use serde::Serialize;
 
 use super::fixture;
+
+/// A drum that is changed.
+struct Drum {
+    title: &'static str,
+    /// Its plan, whose constants it has.
+    plan: &'static str,
+    /// Lines of the plan and what stands in their place.
+    lines: &'static [(&'static str, &'static str)],
+    rpm: f64,
+    /// What the printed table says, deg, deg.
+    edem: [f64; 2],
+    variants: &'static [Variant],
+}
 
 /// A change: what it is called, a line of the rig file for another, or a parameter.
 struct Variant {
@@ -24,7 +35,64 @@ const fn law(name: &'static str, lines: &'static [(&'static str, &'static str)])
     Variant { group: "laws", name, lines, set: &[], fillings: 1 }
 }
 
-const VARIANTS: [Variant; 13] = [
+const fn constant(name: &'static str, set: &'static [(&'static str, f64)]) -> Variant {
+    Variant { group: "constants", name, lines: &[], set, fillings: 1 }
+}
+
+static DRUMS: [Drum; 2] = [
+    Drum {
+        title: "AZ1 at 17 rpm (run N14 of Table 8), by our laws",
+        plan: "az1",
+        lines: &[],
+        rpm: 17.0,
+        edem: [28.62, 27.76],
+        variants: &VARIANTS,
+    },
+    Drum {
+        title: "AZ2 at 30 rpm, by EDEM's laws",
+        plan: "az2",
+        lines: &[
+            ("tangential = \"mindlin\"", "tangential = \"mindlin_total_spring\""),
+            ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
+        ],
+        rpm: 30.0,
+        edem: [33.39, 38.28],
+        variants: &CASCADING,
+    },
+];
+
+/// What could make a bed at 30 rpm more S-shaped.
+static CASCADING: [Variant; 9] = [
+    Variant { group: "as it is", name: "", lines: &[], set: &[], fillings: 2 },
+    law(
+        "our laws",
+        &[
+            ("tangential = \"mindlin_total_spring\"", "tangential = \"mindlin\""),
+            ("rolling = \"absolute_spin\"", "rolling = \"constant_torque\""),
+        ],
+    ),
+    law(
+        "damping may pull",
+        &[("rolling = \"absolute_spin\"", "rolling = \"absolute_spin\"\nattractive_tail = true")],
+    ),
+    Variant { group: "step", name: "half", lines: &[], set: &[("step.scale", 0.5)], fillings: 1 },
+    Variant {
+        group: "end plates",
+        name: "still",
+        lines: &[("ends = \"turning\"", "ends = \"still\"")],
+        set: &[],
+        fillings: 1,
+    },
+    constant("restitution 0.5", &[("restitution.pp", 0.5), ("restitution.mantle", 0.5)]),
+    constant(
+        "three times the rolling resistance",
+        &[("rolling.pp", 0.03), ("rolling.mantle", 0.03)],
+    ),
+    constant("a tenth more speed", &[("speed.scale", 1.1)]),
+    constant("a twentieth more beads", &[("fill.scale", 1.05)]),
+];
+
+static VARIANTS: [Variant; 13] = [
     Variant { group: "end plates", name: "turning", lines: &[], set: &[], fillings: 2 },
     Variant {
         group: "end plates",
@@ -75,30 +143,14 @@ const VARIANTS: [Variant; 13] = [
         set: &[("step.scale", 0.25)],
         fillings: 1,
     },
-    Variant {
-        group: "constants",
-        name: "ten times the rolling resistance",
-        lines: &[],
-        set: &[("rolling.pp", 0.1), ("rolling.mantle", 0.1)],
-        fillings: 1,
-    },
-    Variant {
-        group: "constants",
-        name: "restitution 0.6",
-        lines: &[],
-        set: &[("restitution.pp", 0.6), ("restitution.mantle", 0.6)],
-        fillings: 1,
-    },
-    Variant {
-        group: "constants",
-        name: "camera at 8 m instead of 0.8 m",
-        lines: &[],
-        set: &[("camera.distance_m", 8.0), ("camera.focal_length_mm", 350.0)],
-        fillings: 1,
-    },
+    constant("ten times the rolling resistance", &[("rolling.pp", 0.1), ("rolling.mantle", 0.1)]),
+    constant("restitution 0.6", &[("restitution.pp", 0.6), ("restitution.mantle", 0.6)]),
+    constant(
+        "camera at 8 m instead of 0.8 m",
+        &[("camera.distance_m", 8.0), ("camera.focal_length_mm", 350.0)],
+    ),
 ];
 
-#[derive(Serialize)]
 struct Row {
     group: &'static str,
     name: &'static str,
@@ -107,14 +159,15 @@ struct Row {
     error: [f64; 4],
 }
 
-fn rig(variant: &Variant, filling: u64) -> anyhow::Result<Rig> {
-    let plan = fixture("thesis/plans/az1.toml")?;
+fn rig(drum: &Drum, variant: &Variant, filling: u64) -> anyhow::Result<Rig> {
+    let file = format!("{}.toml", drum.plan);
+    let plan = fixture(&format!("thesis/plans/{file}"))?;
     let mut text: String = plan
         .lines()
         .filter(|l| !l.starts_with("factors.") && !l.starts_with("design"))
         .flat_map(|l| [l, "\n"])
         .collect();
-    for (old, new) in variant.lines {
+    for (old, new) in drum.lines.iter().chain(variant.lines) {
         if *new == "[rolling-off]" {
             // Coefficients of a law that is not there would be refused.
             let (before, after) = text.split_once(old).unwrap_or((&text, ""));
@@ -125,13 +178,13 @@ fn rig(variant: &Variant, filling: u64) -> anyhow::Result<Rig> {
             text = text.replace(old, new);
         }
     }
-    let mut rig = Rig::parse("az1.toml", &text)?;
+    let mut rig = Rig::parse(&file, &text)?;
     for (path, value) in [("friction.pp", 0.5), ("friction.mantle", 0.6)].iter().chain(variant.set)
     {
         let set = rig.settings.set(path, *value);
         set.map_err(|_| anyhow::anyhow!("{}: {path} = {value} is refused", variant.name))?;
     }
-    rig.run.speeds_rpm = vec![17.0];
+    rig.run.speeds_rpm = vec![drum.rpm];
     rig.run.frames = 30;
     rig.run.seed = filling;
     Ok(rig)
@@ -154,41 +207,55 @@ pub(crate) fn run(jobs: usize) -> anyhow::Result<()> {
     let root = crate::root();
     let folder = root.join("target/reproduce/variants");
     let lab = Laboratory::open(&folder, jobs, Sampling::default())?;
+    let all: Vec<(&Drum, &Variant)> =
+        DRUMS.iter().flat_map(|d| d.variants.iter().map(move |v| (d, v))).collect();
     let mut rigs = Vec::new();
     let mut whose = Vec::new();
-    for (k, variant) in VARIANTS.iter().enumerate() {
+    for (k, (drum, variant)) in all.iter().enumerate() {
         for filling in 1..=variant.fillings {
-            rigs.push(rig(variant, filling)?);
+            rigs.push(rig(drum, variant, filling)?);
             whose.push(k);
         }
     }
     let results = lab.run(&rigs, |done| {
-        let name = VARIANTS[whose[done.index]].name;
+        let name = all[whose[done.index]].1.name;
         match done.run {
             Ok(run) => eprintln!("{name}: {:.0} s", run.cost_s),
             Err(e) => eprintln!("{name}: {e}"),
         }
     });
-    let mut by_variant: Vec<Vec<Run>> = VARIANTS.iter().map(|_| Vec::new()).collect();
+    let mut by_variant: Vec<Vec<Run>> = all.iter().map(|_| Vec::new()).collect();
     for (k, result) in whose.into_iter().zip(results) {
         by_variant[k].extend(result.ok());
     }
-    let each = VARIANTS.iter().zip(&by_variant).filter(|(_, runs)| !runs.is_empty());
-    let rows: Vec<Row> = each.map(|(v, runs)| row(v, runs)).collect();
     let mut text = String::from(
         "# One thing changed at a time\n\n\
-         AZ1_Plexi at 17 rpm, friction 0.5 between beads and 0.6 at the walls (run N14 of Table 8), 30 frames a filling, angles as\n\
-         photographs define them; standard errors from the frames. `cargo xtask reproduce --variants`.\n\n\
-         | what | changed to | fillings | aor_lin, deg | aor_mid, deg | cen_x, % R | cen_y, % R |\n|---|---|---:|---:|---:|---:|---:|\n",
+         Friction 0.5 between beads and 0.6 at the walls, 30 frames a filling, angles as photographs define them (EDEM's pictures were read a\n\
+         little otherwise: its figures are for the direction only); standard errors from the frames. `cargo xtask reproduce --variants`.\n",
     );
-    for r in &rows {
-        let _ = write!(text, "| {} | {} | {} |", r.group, r.name, r.fillings);
-        for k in 0..Response::ALL.len() {
-            let _ = write!(text, " {:.2} ({:.2}) |", r.mean[k], r.error[k]);
+    for drum in &DRUMS {
+        let [lin, mid] = drum.edem;
+        let _ = write!(
+            text,
+            "\n## {}\n\nEDEM prints {lin} and {mid} deg.\n\n\
+             | what | changed to | fillings | aor_lin, deg | aor_mid, deg | cen_x, % R | cen_y, % R |\n|---|---|---:|---:|---:|---:|---:|\n",
+            drum.title
+        );
+        for ((of, variant), runs) in all.iter().zip(&by_variant) {
+            if std::ptr::eq(*of, drum) && !runs.is_empty() {
+                line(&mut text, &row(variant, runs));
+            }
         }
-        text.push('\n');
     }
     crate::write_whole(&root.join("docs/src/own-dem-variants.md"), &text)?;
     println!("{text}");
     Ok(())
+}
+
+fn line(text: &mut String, r: &Row) {
+    let _ = write!(text, "| {} | {} | {} |", r.group, r.name, r.fillings);
+    for k in 0..Response::ALL.len() {
+        let _ = write!(text, " {:.2} ({:.2}) |", r.mean[k], r.error[k]);
+    }
+    text.push('\n');
 }
