@@ -6,16 +6,19 @@
 //! the result are those of the portable kernel, on every processor.
 #![expect(unsafe_code, reason = "vector instructions and unchecked gathers")]
 
+mod acting;
 mod avx;
 mod blocks;
 mod hertz_mindlin;
 mod lanes;
+mod pairs;
 mod wall;
 
 use std::any::Any;
 
-pub(crate) use hertz_mindlin::{Features, PairKernel, Run};
+pub(crate) use hertz_mindlin::Features;
 pub(crate) use lanes::Quad;
+pub(crate) use pairs::{PairKernel, Run};
 pub(crate) use wall::WallRun;
 
 use crate::contact::cohesion::{Cohesionless, Sjkr};

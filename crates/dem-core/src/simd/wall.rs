@@ -7,8 +7,9 @@
 
 use glam::DVec3;
 
-use super::hertz_mindlin::{Laws, Motion, PairKernel, SLOTS, respond};
+use super::hertz_mindlin::{Laws, Motion, SLOTS, respond};
 use super::lanes::{Lanes, V3};
+use super::pairs::PairKernel;
 use super::{Level, widened};
 use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};

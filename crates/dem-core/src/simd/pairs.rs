@@ -1,0 +1,358 @@
+//! The run of touching pairs: those that act are packed into blocks of eight and computed by the laws of
+//! `hertz_mindlin.rs`.
+
+use super::acting::Acting;
+use super::blocks::{Blocks, MOST, Two};
+use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
+use super::lanes::{Lanes, V3};
+use super::{Constants, Level};
+use crate::forces::{ChunkYield, SphereView};
+use crate::particles::Record;
+
+/// A run of touching pairs, in whole blocks.
+pub(crate) struct Run<'a> {
+    /// Pairs in the run; what is beyond them in the last block is padding.
+    pub(crate) pairs: usize,
+    pub(crate) first: &'a [u32],
+    pub(crate) second: &'a [u32],
+    pub(crate) active: &'a mut [u8],
+    pub(crate) memory: &'a mut [f64],
+    pub(crate) force: &'a mut [Record],
+    pub(crate) torque_first: &'a mut [Record],
+    pub(crate) torque_second: &'a mut [Record],
+}
+
+/// Blocks of eight contacts that are computed together.
+struct Block {
+    first: [[u32; 8]; MOST],
+    second: [[u32; 8]; MOST],
+    /// Places in the run.
+    pair: [[u32; 8]; MOST],
+    /// Lanes that hold a contact.
+    valid: [u8; MOST],
+}
+
+/// Where contacts of a run remember and write: four numbers each.
+#[derive(Clone, Copy)]
+struct Sinks {
+    memory: *mut f64,
+    force: *mut f64,
+    torque_first: *mut f64,
+    torque_second: *mut f64,
+}
+
+/// What is the same for all pairs of spheres.
+#[derive(Clone, Copy)]
+pub(crate) struct PairKernel<'a> {
+    pub(crate) spheres: SphereView<'a>,
+    /// Laws of pairs of spheres: one, or all by material times material.
+    pub(crate) constants: &'a [Constants],
+    /// All laws, by material times material.
+    pub(crate) all: &'a [Constants],
+    /// Material of all spheres, if they have but one.
+    pub(crate) one_material: Option<usize>,
+    pub(crate) materials: usize,
+    /// Radius and mass of all spheres, if they are alike.
+    pub(crate) one_size: Option<[f64; 2]>,
+    pub(crate) period: Option<crate::neighbour::Period>,
+    pub(crate) dt: f64,
+    pub(crate) overlap_limit: f64,
+    /// Whether roots may be off in the last places.
+    pub(crate) fast_roots: bool,
+    pub(crate) features: Features,
+}
+
+impl PairKernel<'_> {
+    /// Compute a run of touching pairs.
+    pub(crate) fn touching(&self, level: Level, run: &mut Run<'_>, into: &mut ChunkYield) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
+            unsafe fn avx512<const FAST: bool, const MORE: bool>(
+                k: &PairKernel<'_>,
+                run: &mut Run<'_>,
+                into: &mut ChunkYield,
+            ) {
+                // SAFETY: the lists hold places of spheres.
+                unsafe {
+                    let acting = k.acting::<super::avx::Wide>(run);
+                    let done = k.blocks::<Two<super::avx::Wide>, FAST, MORE>(run, &acting, 0, into);
+                    k.blocks::<super::avx::Wide, FAST, MORE>(run, &acting, done, into);
+                }
+            }
+            #[target_feature(enable = "avx2,popcnt")]
+            unsafe fn avx2<const MORE: bool>(
+                k: &PairKernel<'_>,
+                run: &mut Run<'_>,
+                into: &mut ChunkYield,
+            ) {
+                // SAFETY: the lists hold places of spheres.
+                unsafe {
+                    let acting = k.acting::<super::avx::Pair>(run);
+                    k.blocks::<super::avx::Pair, false, MORE>(run, &acting, 0, into);
+                }
+            }
+            let more = self.features != Features::NONE;
+            // SAFETY: `level` comes from `Level::detect`, which asked the processor.
+            match (level, self.fast_roots, more) {
+                (Level::Avx512, false, false) => unsafe { avx512::<false, false>(self, run, into) },
+                (Level::Avx512, false, true) => unsafe { avx512::<false, true>(self, run, into) },
+                (Level::Avx512, true, false) => unsafe { avx512::<true, false>(self, run, into) },
+                (Level::Avx512, true, true) => unsafe { avx512::<true, true>(self, run, into) },
+                (Level::Avx2, _, false) => unsafe { avx2::<false>(self, run, into) },
+                (Level::Avx2, _, true) => unsafe { avx2::<true>(self, run, into) },
+                (Level::Portable, ..) => {}
+            }
+        }
+        let _ = level;
+    }
+
+    /// Bits of the near pairs that touch now, among eight.
+    pub(crate) fn touch(&self, level: Level, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
+            unsafe fn avx512(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.near::<super::avx::Wide>(first, second) }
+            }
+            #[target_feature(enable = "avx2,popcnt")]
+            unsafe fn avx2(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.near::<super::avx::Pair>(first, second) }
+            }
+            // SAFETY: `level` comes from `Level::detect`, which asked the processor.
+            match level {
+                Level::Avx512 => return unsafe { avx512(self, first, second) },
+                Level::Avx2 => return unsafe { avx2(self, first, second) },
+                Level::Portable => {}
+            }
+        }
+        let _ = (level, first, second);
+        u8::MAX
+    }
+
+    /// # Safety
+    /// Every place is that of a sphere.
+    #[inline(always)]
+    pub(super) unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+        let position = self.spheres.position;
+        // SAFETY: by the caller.
+        let (mut d, ri, rj) = unsafe {
+            match self.one_size {
+                Some([radius, _]) => {
+                    let d = <V as Lanes>::gather_difference(position, second, first);
+                    (V3::of(d), V::splat(radius), V::splat(radius))
+                }
+                None => {
+                    let pi = V::gather(position, first);
+                    let pj = V::gather(position, second);
+                    (V3::of(pj) - V3::of(pi), pi[3], pj[3])
+                }
+            }
+        };
+        if let Some(p) = self.period {
+            d = d.shortest(p);
+        }
+        let sum = ri + rj;
+        d.dot(d).less(sum * sum)
+    }
+
+    /// Compute blocks of the pairs that act, from `done` pairs on, by the usual laws or by `MORE`, as long as there
+    /// are enough; returns how many pairs are done then.
+    ///
+    /// # Safety
+    /// Every place in the run is that of a sphere, and `acting` is of that run.
+    #[inline(always)]
+    unsafe fn blocks<V: Blocks, const FAST: bool, const MORE: bool>(
+        &self,
+        run: &mut Run<'_>,
+        acting: &Acting,
+        mut done: usize,
+        into: &mut ChunkYield,
+    ) -> usize {
+        let laws = Laws::splat(&self.constants[0]);
+        // Not known to the compiler: it would take the exchanges of `put_quads` apart for the sake of a zero.
+        let nothing = std::hint::black_box(0.0);
+        let sinks = Sinks {
+            memory: run.memory.as_mut_ptr(),
+            force: run.force.as_mut_ptr().cast(),
+            torque_first: run.torque_first.as_mut_ptr().cast(),
+            torque_second: run.torque_second.as_mut_ptr().cast(),
+        };
+        let whole = acting.count.next_multiple_of(8);
+        while done + 8 * V::COUNT <= whole {
+            let mut block = Block {
+                first: [[0; 8]; MOST],
+                second: [[0; 8]; MOST],
+                pair: [[0; 8]; MOST],
+                valid: [0; MOST],
+            };
+            for k in 0..V::COUNT {
+                let begin = done + 8 * k;
+                for lane in 0..8 {
+                    let pair = acting.pair[begin + lane];
+                    block.pair[k][lane] = pair;
+                    block.first[k][lane] = run.first[pair as usize];
+                    block.second[k][lane] = run.second[pair as usize];
+                }
+                block.valid[k] = match acting.count.saturating_sub(begin) {
+                    left @ 0..8 => (1u8 << left) - 1,
+                    _ => u8::MAX,
+                };
+            }
+            // SAFETY: by the caller; every pair is one of the run.
+            let deep = unsafe { self.block::<V, FAST, MORE>(&block, sinks, &laws, nothing) };
+            if deep != [0; MOST] {
+                for k in 0..V::COUNT {
+                    self.note_deep(deep[k], &block.first[k], &block.second[k], into);
+                }
+            }
+            done += 8 * V::COUNT;
+        }
+        done
+    }
+
+    #[cold]
+    fn note_deep(&self, deep: u8, first: &[u32; 8], second: &[u32; 8], into: &mut ChunkYield) {
+        for lane in (0..8).filter(|l| deep >> l & 1 != 0) {
+            let (i, j) = (first[lane], second[lane]);
+            let (a, b) = (self.spheres.position[i as usize], self.spheres.position[j as usize]);
+            let d = crate::neighbour::Period::shortest(self.period, b.vector() - a.vector());
+            let overlap = a.w + b.w - d.length();
+            into.note_overlap(overlap / a.w.min(b.w), i, j, false);
+        }
+    }
+
+    /// Compute a block; returns which lanes overlap too deeply.
+    ///
+    /// # Safety
+    /// Every place in `first` and `second` of a block is that of a sphere; the sinks hold four numbers for each
+    /// of its pairs.
+    #[inline(always)]
+    unsafe fn block<V: Blocks, const FAST: bool, const MORE: bool>(
+        &self,
+        b: &Block,
+        sinks: Sinks,
+        only: &Laws<V>,
+        nothing: f64,
+    ) -> [u8; MOST] {
+        let s = &self.spheres;
+        // Spheres alike: only differences are needed, and half as many exchanges.
+        // SAFETY: by the caller.
+        let (mut d, ri, rj) = unsafe {
+            match self.one_size {
+                Some([radius, _]) => {
+                    let d = V::gather_difference(s.position, &b.second, &b.first);
+                    (V3::of(d), V::splat(radius), V::splat(radius))
+                }
+                None => {
+                    let pi = V::quads(s.position.as_ptr().cast(), &b.first);
+                    let pj = V::quads(s.position.as_ptr().cast(), &b.second);
+                    (V3::of(pj) - V3::of(pi), pi[3], pj[3])
+                }
+            }
+        };
+        if let Some(p) = self.period {
+            d = d.shortest(p);
+        }
+        let distance_squared = d.dot(d);
+        let sum = ri + rj;
+        let touching = distance_squared.less(sum * sum) & V::mask(b.valid);
+        let (distance, inverse) = if FAST {
+            let inverse = distance_squared.reciprocal_root();
+            (distance_squared * inverse, inverse)
+        } else {
+            let distance = distance_squared.sqrt();
+            (distance, V::splat(1.0) / distance)
+        };
+        let overlap = sum - distance;
+        // SAFETY: by the caller.
+        let (approach, mi, mj) = unsafe {
+            match self.one_size {
+                Some([_, mass]) => {
+                    let v = V::gather_difference(s.mean_velocity, &b.first, &b.second);
+                    (V3::of(v), V::splat(mass), V::splat(mass))
+                }
+                None => {
+                    let vi = V::quads(s.mean_velocity.as_ptr().cast(), &b.first);
+                    let vj = V::quads(s.mean_velocity.as_ptr().cast(), &b.second);
+                    (V3::of(vi) - V3::of(vj), vi[3], vj[3])
+                }
+            }
+        };
+        // SAFETY: by the caller.
+        let (wi, wj, end) = unsafe {
+            (
+                V::quads(s.mean_spin.as_ptr().cast(), &b.first),
+                V::quads(s.mean_spin.as_ptr().cast(), &b.second),
+                V3::of(V::gather_difference(s.end_velocity, &b.first, &b.second)),
+            )
+        };
+        let many;
+        let laws = if self.constants.len() > 1 {
+            let (a, c) = (wi[3].each(), wj[3].each());
+            many = Laws::lanes(|k, lane| {
+                &self.constants[a[k][lane] as usize * self.materials + c[k][lane] as usize]
+            });
+            &many
+        } else {
+            only
+        };
+        let (wi, wj) = (V3::of(wi), V3::of(wj));
+        let deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
+        let n = d * inverse;
+        let dt = V::splat(self.dt);
+        let half = V::splat(0.5) * overlap;
+        let (lever_i, lever_j) = (ri - half, rj - half);
+        let back = V::splat(0.25 * self.dt) * approach.dot(n);
+        let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
+        // Spheres alike: the same operations, once for all lanes.
+        let (r_star, m_star) = match self.one_size {
+            Some([r, m]) => (V::splat(r * r / (r + r)), V::splat(m * m / (m + m))),
+            None => (ri * rj / sum, mi * mj / (mi + mj)),
+        };
+        let motion = Motion {
+            normal: n,
+            overlap,
+            rate: end.dot(n),
+            slip: relative - n * relative.dot(n),
+            spin_i: wi,
+            spin_j: wj,
+            lever_i,
+            lever_j,
+            r_star,
+            m_star,
+            radius_i: ri,
+            radius_j: rj,
+            twist: V::splat(0.5) * (wi + wj).dot(n) * dt,
+            dt,
+        };
+        // SAFETY: by the caller.
+        let old = unsafe { V::quads(sinks.memory, &b.pair) };
+        let features = if MORE { self.features } else { Features::NONE };
+        let out = respond::<V, FAST>(&motion, laws, features, V3::of(old), old[3], touching);
+        // SAFETY: by the caller.
+        unsafe { store(b, sinks, touching, &out, nothing) };
+        V::bits(deep)
+    }
+}
+
+/// # Safety
+/// The sinks hold four numbers for each pair of the block.
+#[inline(always)]
+unsafe fn store<V: Blocks>(b: &Block, sinks: Sinks, touching: V::Mask, out: &Out<V>, nothing: f64) {
+    let zero = V::splat(nothing);
+    let none = V3::splat(0.0);
+    let stiffness = out.stiffness.select(touching, zero);
+    for (v, scalar, to) in [
+        (out.spring, stiffness, sinks.memory),
+        (out.force, zero, sinks.force),
+        (out.torque_i, zero, sinks.torque_first),
+        (out.torque_j, zero, sinks.torque_second),
+    ] {
+        let v = v.select(touching, none);
+        // SAFETY: by the caller.
+        unsafe { V::put_quads([v.x, v.y, v.z, scalar], to, &b.pair) };
+    }
+}
