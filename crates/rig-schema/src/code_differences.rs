@@ -26,6 +26,21 @@ pub struct CodeDifferences {
     pub pairs: Vec<Vec<[f64; 4]>>,
 }
 
+/// Rows of one pair.
+struct Pair {
+    name: f64,
+    /// Line of the first.
+    line: usize,
+    /// By speed, rpm.
+    rows: Vec<(f64, [f64; 4])>,
+}
+
+impl Pair {
+    fn speeds(&self) -> Vec<f64> {
+        self.rows.iter().map(|r| r.0).collect()
+    }
+}
+
 impl CodeDifferences {
     /// Read a table; `file` is its name for errors.
     ///
@@ -37,8 +52,7 @@ impl CodeDifferences {
         known.extend(Response::ALL.iter().map(|r| r.column()));
         let sheet = Sheet::parse(file, text, &known)?;
         known.iter().try_for_each(|column| sheet.require(column))?;
-        // Name, line of its first row, and rows by speed, of each pair.
-        let mut pairs: Vec<(f64, usize, Vec<(f64, [f64; 4])>)> = Vec::new();
+        let mut pairs: Vec<Pair> = Vec::new();
         for record in &sheet.records {
             let name = sheet.number(record, "pair")?;
             let omega_rpm = sheet.positive(record, "omega_rpm")?;
@@ -46,11 +60,11 @@ impl CodeDifferences {
             for r in Response::ALL {
                 four[r.index()] = sheet.number(record, r.column())?;
             }
-            let at = pairs.iter().position(|p| p.0 == name).unwrap_or_else(|| {
-                pairs.push((name, record.line, Vec::new()));
+            let at = pairs.iter().position(|p| p.name == name).unwrap_or_else(|| {
+                pairs.push(Pair { name, line: record.line, rows: Vec::new() });
                 pairs.len() - 1
             });
-            let rows = &mut pairs[at].2;
+            let rows = &mut pairs[at].rows;
             if rows.iter().any(|r| r.0 == omega_rpm) {
                 return Err(sheet.fault(
                     record,
@@ -60,18 +74,16 @@ impl CodeDifferences {
             }
             rows.push((omega_rpm, four));
         }
-        pairs.iter_mut().for_each(|p| p.2.sort_by(|a, b| a.0.total_cmp(&b.0)));
-        let speeds = |rows: &[(f64, [f64; 4])]| rows.iter().map(|r| r.0).collect::<Vec<f64>>();
-        let speeds_rpm = speeds(&pairs[0].2);
-        if let Some((name, line, _)) = pairs.iter().find(|p| speeds(&p.2) != speeds_rpm) {
-            let first = pairs[0].0;
+        pairs.iter_mut().for_each(|p| p.rows.sort_by(|a, b| a.0.total_cmp(&b.0)));
+        let speeds_rpm = pairs[0].speeds();
+        if let Some(other) = pairs.iter().find(|p| p.speeds() != speeds_rpm) {
             return Err(sheet.fault_at(
-                *line,
-                format!("pair {name} has other speeds than pair {first}"),
+                other.line,
+                format!("pair {} has other speeds than pair {}", other.name, pairs[0].name),
                 "every pair at the same speeds",
             ));
         }
-        let pairs = pairs.into_iter().map(|p| p.2.into_iter().map(|r| r.1).collect()).collect();
+        let pairs = pairs.into_iter().map(|p| p.rows.into_iter().map(|r| r.1).collect()).collect();
         Ok(Self { file: file.to_owned(), speeds_rpm, pairs })
     }
 }
