@@ -204,8 +204,9 @@ impl PairKernel<'_> {
             // SAFETY: by the caller; every pair is one of the run.
             let deep = unsafe { self.block::<V, FAST, MORE>(&block, sinks, &laws, nothing) };
             if deep != [0; MOST] {
-                for k in 0..V::COUNT {
-                    self.note_deep(deep[k], &block.first[k], &block.second[k], into);
+                for ((deep, first), second) in deep.into_iter().zip(&block.first).zip(&block.second)
+                {
+                    self.note_deep(deep, first, second, into);
                 }
             }
             done += 8 * V::COUNT;
