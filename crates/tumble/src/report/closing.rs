@@ -1,5 +1,6 @@
 //! The report of a closed loop.
 
+use calib::attribution::Verdict as Found;
 use calib_report::page::{
     Block, Column, Figure, InputFile, Page, Provenance, Row, Section, Table, Tone, Verdict,
 };
@@ -345,6 +346,20 @@ fn detectable(o: &Outcome) -> Section {
     section
 }
 
+/// A verdict in words.
+fn worded(verdict: &Found) -> String {
+    match verdict {
+        Found::None => "nothing is missing".to_owned(),
+        Found::Effect(name) => name.clone(),
+        Found::Class(names) => format!("one of {}", names.join(", ")),
+        Found::Pairs(pairs) => {
+            let both: Vec<String> = pairs.iter().map(|p| p.join(" with ")).collect();
+            both.join(" or ")
+        }
+        Found::Unknown => "something that is not in the catalogue".to_owned(),
+    }
+}
+
 fn stability(o: &Outcome) -> Section {
     let mut section = Section::new("Stability");
     let rows: Vec<Row> = o
@@ -353,7 +368,7 @@ fn stability(o: &Outcome) -> Section {
         .iter()
         .map(|s| {
             let verdict = match &s.verdict {
-                Ok(v) => format!("{v:?}"),
+                Ok(v) => worded(v),
                 Err(e) => e.clone(),
             };
             Row::new(vec![s.change.clone(), verdict])
@@ -368,7 +383,8 @@ fn stability(o: &Outcome) -> Section {
     }
     if let Some(without) = &o.finding.verdict_without_code {
         section.blocks.push(Block::Paragraph(format!(
-            "If codes did not differ among themselves the data would say: {without:?}."
+            "If codes did not differ among themselves the data would say: {}.",
+            worded(without)
         )));
     }
     if let Some(over) = &o.finding.overturn {
