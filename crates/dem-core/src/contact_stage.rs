@@ -16,13 +16,12 @@ use crate::world::{Make, Members, Scratch, Wrenches};
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
 pub(crate) const CHUNK: usize = 256;
 
-/// Compute all contacts of the list of that number; near pairs in action end in `s.wrenches.late`.
+/// Compute all contacts; near pairs in action end in `s.wrenches.late`.
 pub(crate) fn all_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
     team: &Team,
     make: &Make<M>,
-    list: u64,
     pairs: &mut PairList,
     walls: &mut WallList,
     s: &mut Scratch,
@@ -31,15 +30,9 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     let (near, entries) = (pairs.near().len(), walls.len());
     debug_assert_eq!(near_begin % LANES, 0);
     let w = &mut s.wrenches;
-    let this_list = Some(list);
     for v in [&mut w.pair_force, &mut w.pair_torque_first, &mut w.pair_torque_second] {
-        // The vector kernel passes over pairs that neither touch nor touched.
-        if s.cleared_for != this_list {
-            v.clear();
-        }
         v.resize(near_begin, Record::default());
     }
-    s.cleared_for = this_list;
     for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
         v.resize(entries, Record::default());
     }

@@ -12,7 +12,7 @@ use crate::gap_force::GapForce;
 use crate::geometry::{Nearest, PlacedWall};
 use crate::material::MaterialId;
 use crate::neighbour::Period;
-use crate::neighbour::verlet_list::{LANES, memory_index};
+use crate::neighbour::verlet_list::{LANES, memory_index, memory_of};
 use crate::noncontact::Separation;
 use crate::particles::Record;
 
@@ -115,29 +115,10 @@ pub(crate) struct MemoryRun<'a> {
 }
 
 impl MemoryRun<'_> {
+    /// What the laws of contact number `contact` remember; forces across gaps come behind it.
     #[inline(always)]
-    fn load<T: Memory>(&self, contact: usize) -> T {
-        let mut buffer = [0.0; MAX_SLOTS];
-        for (slot, value) in buffer.iter_mut().enumerate().take(T::SLOTS) {
-            *value = self.numbers[memory_index(self.slots, contact, slot)];
-        }
-        T::load(&buffer[..T::SLOTS])
-    }
-
-    #[inline(always)]
-    fn store<T: Memory>(&mut self, contact: usize, memory: &T) {
-        let mut buffer = [0.0; MAX_SLOTS];
-        memory.store(&mut buffer[..T::SLOTS]);
-        for (slot, value) in buffer.iter().enumerate().take(T::SLOTS) {
-            self.numbers[memory_index(self.slots, contact, slot)] = *value;
-        }
-    }
-
-    #[inline(always)]
-    fn clear<T: Memory>(&mut self, contact: usize) {
-        for slot in 0..T::SLOTS {
-            self.numbers[memory_index(self.slots, contact, slot)] = 0.0;
-        }
+    fn own<T: Memory>(&mut self, contact: usize) -> &mut [f64] {
+        &mut self.numbers[memory_of(self.slots, contact)][..T::SLOTS]
     }
 }
 
@@ -249,7 +230,7 @@ impl<M: ContactLaw> Contacts<'_, M> {
         if distance_squared >= reach * reach {
             if *active & TOUCHES != 0 {
                 *active &= !TOUCHES;
-                memory.clear::<M::Memory>(contact);
+                memory.own::<M::Memory>(contact).fill(0.0);
             }
             return None;
         }
@@ -266,7 +247,7 @@ impl<M: ContactLaw> Contacts<'_, M> {
         };
         if overlap <= 0.0 && -overlap > law.reach(&pair) {
             *active &= !TOUCHES;
-            memory.clear::<M::Memory>(contact);
+            memory.own::<M::Memory>(contact).fill(0.0);
             return None;
         }
         *active |= TOUCHES;
@@ -292,10 +273,10 @@ impl<M: ContactLaw> Contacts<'_, M> {
             lever_j,
             dt: self.dt,
         };
-        let mut remembered: M::Memory = memory.load(contact);
+        let mut remembered = M::Memory::load(memory.own::<M::Memory>(contact));
         remembered.transport(n, 0.5 * (wi + wj).dot(n) * self.dt);
         let response = law.respond(&pair, &motion, &mut remembered);
-        memory.store(contact, &remembered);
+        remembered.store(memory.own::<M::Memory>(contact));
         if self.ledger {
             book(&mut into.flow, &response, self.dt);
         }
@@ -364,7 +345,7 @@ impl<M: ContactLaw> Contacts<'_, M> {
         if overlap <= -reach || overlap >= 2.0 * radius {
             if *active & TOUCHES != 0 {
                 *active &= !TOUCHES;
-                memory.clear::<M::Memory>(contact);
+                memory.own::<M::Memory>(contact).fill(0.0);
             }
             return None;
         }
@@ -373,7 +354,7 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let pair = wall_pair(radius, s.mean_velocity[i].w, nearest);
         if overlap <= 0.0 && -overlap > law.reach(&pair) {
             *active &= !TOUCHES;
-            memory.clear::<M::Memory>(contact);
+            memory.own::<M::Memory>(contact).fill(0.0);
             return None;
         }
         *active |= TOUCHES;
@@ -401,10 +382,10 @@ impl<M: ContactLaw> Contacts<'_, M> {
             lever_j: 0.0,
             dt: self.dt,
         };
-        let mut remembered: M::Memory = memory.load(contact);
+        let mut remembered = M::Memory::load(memory.own::<M::Memory>(contact));
         remembered.transport(n, 0.5 * (wi + spin).dot(n) * self.dt);
         let response = law.respond(&pair, &motion, &mut remembered);
-        memory.store(contact, &remembered);
+        remembered.store(memory.own::<M::Memory>(contact));
         if self.ledger {
             book(&mut into.flow, &response, self.dt);
             into.flow.walls +=

@@ -68,6 +68,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         state.list.builds += 1;
         state.list_stale = false;
         s.placed_then.clone_from(&s.placed);
+        // The vector kernel passes over pairs that neither touch nor touched: theirs begin at zero.
+        let w = &mut s.wrenches;
+        for v in [&mut w.pair_force, &mut w.pair_torque_first, &mut w.pair_torque_second] {
+            v.clear();
+        }
         Ok(())
     }
 
@@ -316,6 +321,12 @@ pub(crate) const SET_BITS: [[u8; LANES]; 256] = {
     table
 };
 
+/// The bits of the first `count` lanes, of all for more of them.
+#[inline(always)]
+pub(crate) fn lowest_bits(count: usize) -> u8 {
+    if count >= LANES { u8::MAX } else { (1u8 << count) - 1 }
+}
+
 /// Bodies in reach of one: sorted places, with a mark on those that touch.
 struct Candidates {
     places: [u32; CANDIDATES],
@@ -362,7 +373,7 @@ impl Search<'_> {
                 let (pi, mut begin) = (&cells.sorted[k], row.start);
                 while begin < row.end {
                     let left = row.end - begin;
-                    let valid = if left >= LANES { u8::MAX } else { (1u8 << left) - 1 };
+                    let valid = lowest_bits(left);
                     let (columns, period) = (&cells.columns, self.period);
                     let [near, touching] =
                         crate::simd::in_reach(self.level, pi, columns, begin, gaps, period);

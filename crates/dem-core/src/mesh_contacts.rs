@@ -3,7 +3,7 @@
 use crate::forces::TOUCHES;
 use crate::geometry::mesh::{CONTACTS_PER_SPHERE, Mesh, MeshContact};
 use crate::geometry::{Nearest, PlacedWall, Shape, Wall};
-use crate::neighbour::verlet_list::memory_index;
+use crate::neighbour::verlet_list::memory_of;
 use crate::neighbour::wall_list::{NO_FACET, WallList};
 use crate::particles::Record;
 
@@ -59,9 +59,7 @@ pub(crate) fn assign(
             if !taken[nth] {
                 list.facet[e] = NO_FACET;
                 list.active[e] = 0;
-                for slot in 0..list.slots {
-                    list.memory[memory_index(list.slots, e, slot)] = 0.0;
-                }
+                list.memory[memory_of(list.slots, e)].fill(0.0);
             }
         }
         entry += CONTACTS_PER_SPHERE;

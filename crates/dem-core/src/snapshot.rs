@@ -102,7 +102,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.state.bodies.linear_memory.resize(remembered, Record::default());
         self.state.pairs.sort_by_second();
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
-        self.scratch.cleared_for = None;
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;
         self.ledger_wanted = snapshot.ledger_wanted;

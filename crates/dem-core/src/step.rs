@@ -161,7 +161,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     pub(crate) fn contact_forces(&mut self, dt: f64) {
         let clumps = self.has_clumps();
         let ledger = self.ledger_wanted;
-        let list = self.state.list.builds;
         let mut pairs = std::mem::take(&mut self.state.pairs);
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut s = std::mem::take(&mut self.scratch);
@@ -204,16 +203,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut booked = Flow::default();
         if ledger && vector.is_some() {
             let (mut pairs, mut walls) = (pairs.clone(), walls.clone());
-            all_contacts(
-                &context, None, &self.team, &self.make, list, &mut pairs, &mut walls, &mut s,
-            );
+            all_contacts(&context, None, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
             let yields = s.pair_yield.iter().chain(&s.near_yield).chain(&s.wall_yield);
             yields.for_each(|y| booked.add(&y.flow));
             context.ledger = false;
         }
-        all_contacts(
-            &context, vector, &self.team, &self.make, list, &mut pairs, &mut walls, &mut s,
-        );
+        all_contacts(&context, vector, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
         if let Some(first) = s.pair_yield.first_mut() {
             first.flow.add(&booked);
         }

@@ -148,8 +148,6 @@ pub(crate) struct Scratch {
     /// Walls when the list was made.
     pub(crate) placed_then: Vec<PlacedWall>,
     pub(crate) wrenches: Wrenches,
-    /// List, by its number, for which the wrenches of pairs were cleared: pairs that do not act stay so.
-    pub(crate) cleared_for: Option<u64>,
     pub(crate) pair_yield: Vec<ChunkYield>,
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,

@@ -15,6 +15,12 @@ use rig_schema::Response;
 
 use super::fixture;
 
+/// Lines of a plan by our laws, and those by the laws that EDEM documents.
+pub(super) const EDEM_LAWS: [(&str, &str); 2] = [
+    ("tangential = \"mindlin\"", "tangential = \"mindlin_total_spring\""),
+    ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
+];
+
 /// Which settings of a configuration are simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Design {
@@ -42,10 +48,7 @@ impl Design {
                     "factors.friction.mantle = [0.1, 0.5]",
                 ),
             ],
-            Self::EdemLaws => &[
-                ("tangential = \"mindlin\"", "tangential = \"mindlin_total_spring\""),
-                ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
-            ],
+            Self::EdemLaws => &EDEM_LAWS,
         }
     }
 

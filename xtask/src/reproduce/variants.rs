@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use close_loop::campaign::{Laboratory, Run, Sampling};
 use close_loop::rig_schema::{Response, Rig};
 
+use super::campaigns::EDEM_LAWS;
 use super::fixture;
 
 /// A drum that is changed.
@@ -51,10 +52,7 @@ static DRUMS: [Drum; 2] = [
     Drum {
         title: "AZ2 at 30 rpm, by EDEM's laws",
         plan: "az2",
-        lines: &[
-            ("tangential = \"mindlin\"", "tangential = \"mindlin_total_spring\""),
-            ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
-        ],
+        lines: &EDEM_LAWS,
         rpm: 30.0,
         edem: [33.39, 38.28],
         variants: &CASCADING,
@@ -117,13 +115,7 @@ static VARIANTS: [Variant; 13] = [
         "rolling torque on the absolute spin (EDEM)",
         &[("rolling = \"constant_torque\"", "rolling = \"absolute_spin\"")],
     ),
-    law(
-        "both",
-        &[
-            ("tangential = \"mindlin\"", "tangential = \"mindlin_total_spring\""),
-            ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
-        ],
-    ),
+    law("both", &EDEM_LAWS),
     law(
         "no rolling resistance",
         &[("rolling = \"constant_torque\"", "rolling = \"none\""), ("[rolling]", "[rolling-off]")],
@@ -207,27 +199,24 @@ pub(crate) fn run(jobs: usize) -> anyhow::Result<()> {
     let root = crate::root();
     let folder = root.join("target/reproduce/variants");
     let lab = Laboratory::open(&folder, jobs, Sampling::default())?;
-    let all: Vec<(&Drum, &Variant)> =
-        DRUMS.iter().flat_map(|d| d.variants.iter().map(move |v| (d, v))).collect();
-    let mut rigs = Vec::new();
-    let mut whose = Vec::new();
-    for (k, (drum, variant)) in all.iter().enumerate() {
-        for filling in 1..=variant.fillings {
-            rigs.push(rig(drum, variant, filling)?);
-            whose.push(k);
+    let (mut rigs, mut names) = (Vec::new(), Vec::new());
+    for drum in &DRUMS {
+        for variant in drum.variants {
+            for filling in 1..=variant.fillings {
+                rigs.push(rig(drum, variant, filling)?);
+                names.push(variant.name);
+            }
         }
     }
-    let results = lab.run(&rigs, |done| {
-        let name = all[whose[done.index]].1.name;
-        match done.run {
-            Ok(run) => eprintln!("{name}: {:.0} s", run.cost_s),
-            Err(e) => eprintln!("{name}: {e}"),
-        }
-    });
-    let mut by_variant: Vec<Vec<Run>> = all.iter().map(|_| Vec::new()).collect();
-    for (k, result) in whose.into_iter().zip(results) {
-        by_variant[k].extend(result.ok());
-    }
+    let mut results = lab
+        .run(&rigs, |done| {
+            let name = names[done.index];
+            match done.run {
+                Ok(run) => eprintln!("{name}: {:.0} s", run.cost_s),
+                Err(e) => eprintln!("{name}: {e}"),
+            }
+        })
+        .into_iter();
     let mut text = String::from(
         "# One thing changed at a time\n\n\
          Friction 0.5 between beads and 0.6 at the walls, 30 frames a filling, angles as photographs define them (EDEM's pictures were read a\n\
@@ -241,9 +230,11 @@ pub(crate) fn run(jobs: usize) -> anyhow::Result<()> {
              | what | changed to | fillings | aor_lin, deg | aor_mid, deg | cen_x, % R | cen_y, % R |\n|---|---|---:|---:|---:|---:|---:|\n",
             drum.title
         );
-        for ((of, variant), runs) in all.iter().zip(&by_variant) {
-            if std::ptr::eq(*of, drum) && !runs.is_empty() {
-                line(&mut text, &row(variant, runs));
+        for variant in drum.variants {
+            let own = results.by_ref().take(variant.fillings as usize);
+            let runs: Vec<Run> = own.filter_map(Result::ok).collect();
+            if !runs.is_empty() {
+                line(&mut text, &row(variant, &runs));
             }
         }
     }

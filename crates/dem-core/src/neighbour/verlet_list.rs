@@ -15,6 +15,12 @@ pub(crate) fn memory_index(slots: usize, pair: usize, slot: usize) -> usize {
     pair * slots + slot
 }
 
+/// Places of all that contact `pair` remembers.
+#[inline(always)]
+pub(crate) fn memory_of(slots: usize, pair: usize) -> std::ops::Range<usize> {
+    pair * slots..(pair + 1) * slots
+}
+
 /// Round up to whole blocks.
 pub(crate) fn whole_blocks(pairs: usize) -> usize {
     pairs.div_ceil(LANES) * LANES
@@ -144,8 +150,8 @@ impl PairList {
             let (a, b) = (now(old.first[was]), now(old.second[was]));
             let Some(pair) = self.find(a as usize, b) else { continue };
             self.active[pair] = 1;
-            let (to, from) = (pair * self.slots, was * self.slots);
-            self.memory[to..to + self.slots].copy_from_slice(&old.memory[from..from + self.slots]);
+            self.memory[memory_of(self.slots, pair)]
+                .copy_from_slice(&old.memory[memory_of(self.slots, was)]);
         }
     }
 

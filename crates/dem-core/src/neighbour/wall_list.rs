@@ -3,7 +3,7 @@
 //! One entry for each sphere and wall in reach, sorted by sphere; a mesh has as many consecutive
 //! entries a sphere as it can have contacts with it.
 
-use super::verlet_list::whole_blocks;
+use super::verlet_list::{memory_of, whole_blocks};
 
 /// No facet: the wall is analytic, or the entry is free.
 pub(crate) const NO_FACET: u32 = u32::MAX;
@@ -71,9 +71,8 @@ impl WallList {
             self.facet[entry] = old.facet[was];
             self.active[entry] = old.active[was];
             if old.active[was] != 0 {
-                let (to, from) = (entry * self.slots, was * self.slots);
-                self.memory[to..to + self.slots]
-                    .copy_from_slice(&old.memory[from..from + self.slots]);
+                self.memory[memory_of(self.slots, entry)]
+                    .copy_from_slice(&old.memory[memory_of(self.slots, was)]);
             }
         }
     }

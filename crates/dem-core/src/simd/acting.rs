@@ -6,7 +6,7 @@
 use super::lanes::Lanes;
 use super::pairs::{PairKernel, Run};
 use crate::contact_stage::CHUNK;
-use crate::list::SET_BITS;
+use crate::list::{SET_BITS, lowest_bits};
 
 /// Eight bits as bytes.
 const BYTES: [[u8; 8]; 256] = {
@@ -44,10 +44,7 @@ impl PairKernel<'_> {
         let mut acting = Acting { pair: [0; CHUNK + 8], count: 0 };
         let mut idle = 0;
         for (k, ((first, second), active)) in first.iter().zip(second).zip(active).enumerate() {
-            let valid = match run.pairs.saturating_sub(8 * k) {
-                left @ 0..8 => (1u8 << left) - 1,
-                _ => u8::MAX,
-            };
+            let valid = lowest_bits(run.pairs.saturating_sub(8 * k));
             // SAFETY: by the caller.
             let touching = unsafe { self.near::<V>(first, second) } & valid;
             // A byte of 0 or 1 each: their bits side by side.

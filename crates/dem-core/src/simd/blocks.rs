@@ -25,20 +25,20 @@ pub(super) trait Blocks: Numbers {
     ///
     /// # Safety
     /// All of them can be read.
-    unsafe fn quads(from: *const f64, places: &[[u32; 8]; MOST]) -> [Self; 4];
+    unsafe fn quads(from: *const f64, places: &[[u32; 8]]) -> [Self; 4];
     /// As [`Lanes::put_quads`], block by block.
     ///
     /// # Safety
     /// All of them can be written.
-    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]; MOST]);
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]]);
     /// As [`Lanes::gather_difference`].
     ///
     /// # Safety
     /// Every place is below the length of `records`.
     unsafe fn gather_difference(
         records: &[Record],
-        of: &[[u32; 8]; MOST],
-        less: &[[u32; 8]; MOST],
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
     ) -> [Self; 4];
 }
 
@@ -63,20 +63,20 @@ impl<V: Lanes> Blocks for V {
         all
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, places: &[[u32; 8]; MOST]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, places: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe { <V as Lanes>::quads(from, &places[0]) }
     }
     #[inline(always)]
-    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]; MOST]) {
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]]) {
         // SAFETY: by the caller.
         unsafe { <V as Lanes>::put_quads(fields, to, &places[0]) }
     }
     #[inline(always)]
     unsafe fn gather_difference(
         records: &[Record],
-        of: &[[u32; 8]; MOST],
-        less: &[[u32; 8]; MOST],
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
     ) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe { <V as Lanes>::gather_difference(records, &of[0], &less[0]) }
@@ -210,7 +210,7 @@ impl<V: Lanes> Blocks for Two<V> {
         all
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, places: &[[u32; 8]; MOST]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, places: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {
             let first = <V as Lanes>::quads(from, &places[0]);
@@ -218,7 +218,7 @@ impl<V: Lanes> Blocks for Two<V> {
         }
     }
     #[inline(always)]
-    unsafe fn put_quads([x, y, z, w]: [Self; 4], to: *mut f64, places: &[[u32; 8]; MOST]) {
+    unsafe fn put_quads([x, y, z, w]: [Self; 4], to: *mut f64, places: &[[u32; 8]]) {
         // SAFETY: by the caller.
         unsafe {
             <V as Lanes>::put_quads([x.0, y.0, z.0, w.0], to, &places[0]);
@@ -228,8 +228,8 @@ impl<V: Lanes> Blocks for Two<V> {
     #[inline(always)]
     unsafe fn gather_difference(
         records: &[Record],
-        of: &[[u32; 8]; MOST],
-        less: &[[u32; 8]; MOST],
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
     ) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {

@@ -7,6 +7,7 @@ use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
 use super::lanes::{Lanes, V3};
 use super::{Constants, Level};
 use crate::forces::{ChunkYield, SphereView};
+use crate::list::lowest_bits;
 use crate::particles::Record;
 
 /// A run of touching pairs, in whole blocks.
@@ -136,21 +137,11 @@ impl PairKernel<'_> {
     /// Every place is that of a sphere.
     #[inline(always)]
     pub(super) unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
-        let position = self.spheres.position;
+        let radius = self.one_size.map(|s| s[0]);
+        let (second, first) = (std::slice::from_ref(second), std::slice::from_ref(first));
         // SAFETY: by the caller.
-        let (mut d, ri, rj) = unsafe {
-            match self.one_size {
-                Some([radius, _]) => {
-                    let d = <V as Lanes>::gather_difference(position, second, first);
-                    (V3::of(d), V::splat(radius), V::splat(radius))
-                }
-                None => {
-                    let pi = V::gather(position, first);
-                    let pj = V::gather(position, second);
-                    (V3::of(pj) - V3::of(pi), pi[3], pj[3])
-                }
-            }
-        };
+        let (mut d, [rj, ri]) =
+            unsafe { difference::<V>(self.spheres.position, second, first, radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
@@ -196,10 +187,7 @@ impl PairKernel<'_> {
                     block.first[k][lane] = run.first[pair as usize];
                     block.second[k][lane] = run.second[pair as usize];
                 }
-                block.valid[k] = match acting.count.saturating_sub(begin) {
-                    left @ 0..8 => (1u8 << left) - 1,
-                    _ => u8::MAX,
-                };
+                block.valid[k] = lowest_bits(acting.count.saturating_sub(begin));
             }
             // SAFETY: by the caller; every pair is one of the run.
             let deep = unsafe { self.block::<V, FAST, MORE>(&block, sinks, &laws, nothing) };
@@ -239,21 +227,9 @@ impl PairKernel<'_> {
         nothing: f64,
     ) -> [u8; MOST] {
         let s = &self.spheres;
-        // Spheres alike: only differences are needed, and half as many exchanges.
+        let [radius, mass] = [0, 1].map(|k| self.one_size.map(|s| s[k]));
         // SAFETY: by the caller.
-        let (mut d, ri, rj) = unsafe {
-            match self.one_size {
-                Some([radius, _]) => {
-                    let d = V::gather_difference(s.position, &b.second, &b.first);
-                    (V3::of(d), V::splat(radius), V::splat(radius))
-                }
-                None => {
-                    let pi = V::quads(s.position.as_ptr().cast(), &b.first);
-                    let pj = V::quads(s.position.as_ptr().cast(), &b.second);
-                    (V3::of(pj) - V3::of(pi), pi[3], pj[3])
-                }
-            }
-        };
+        let (mut d, [rj, ri]) = unsafe { difference::<V>(s.position, &b.second, &b.first, radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
@@ -269,19 +245,8 @@ impl PairKernel<'_> {
         };
         let overlap = sum - distance;
         // SAFETY: by the caller.
-        let (approach, mi, mj) = unsafe {
-            match self.one_size {
-                Some([_, mass]) => {
-                    let v = V::gather_difference(s.mean_velocity, &b.first, &b.second);
-                    (V3::of(v), V::splat(mass), V::splat(mass))
-                }
-                None => {
-                    let vi = V::quads(s.mean_velocity.as_ptr().cast(), &b.first);
-                    let vj = V::quads(s.mean_velocity.as_ptr().cast(), &b.second);
-                    (V3::of(vi) - V3::of(vj), vi[3], vj[3])
-                }
-            }
-        };
+        let (approach, [mi, mj]) =
+            unsafe { difference::<V>(s.mean_velocity, &b.first, &b.second, mass) };
         // SAFETY: by the caller.
         let (wi, wj, end) = unsafe {
             (
@@ -336,6 +301,33 @@ impl PairKernel<'_> {
         // SAFETY: by the caller.
         unsafe { store(b, sinks, touching, &out, nothing) };
         V::bits(deep)
+    }
+}
+
+/// Vectors of records less those of others, and both scalars, which are `alike` in all records if given: then
+/// only differences are needed, and half as many exchanges.
+///
+/// # Safety
+/// Every place is below the length of `records`.
+#[inline(always)]
+unsafe fn difference<V: Blocks>(
+    records: &[Record],
+    of: &[[u32; 8]],
+    less: &[[u32; 8]],
+    alike: Option<f64>,
+) -> (V3<V>, [V; 2]) {
+    // SAFETY: by the caller; a record is four numbers.
+    unsafe {
+        match alike {
+            Some(scalar) => {
+                (V3::of(V::gather_difference(records, of, less)), [V::splat(scalar); 2])
+            }
+            None => {
+                let a = V::quads(records.as_ptr().cast(), of);
+                let b = V::quads(records.as_ptr().cast(), less);
+                (V3::of(a) - V3::of(b), [a[3], b[3]])
+            }
+        }
     }
 }
 

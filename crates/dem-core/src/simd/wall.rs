@@ -13,6 +13,7 @@ use super::pairs::PairKernel;
 use super::{Level, widened};
 use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};
+use crate::list::lowest_bits;
 use crate::neighbour::verlet_list::memory_index;
 use crate::particles::Record;
 
@@ -94,7 +95,7 @@ impl PairKernel<'_> {
         into: &mut ChunkYield,
     ) {
         let placed = &run.walls[wall as usize];
-        g.valid = ((1u16 << entries.len()) - 1) as u8;
+        g.valid = lowest_bits(entries.len());
         for lane in 0..8 {
             // Lanes beyond the last repeat the first.
             let e = entries.get(lane).or(entries.first()).map_or(0, |&e| e as usize);
