@@ -22,10 +22,14 @@ const BYTES: [[u8; 8]; 256] = {
     table
 };
 
-/// Pairs of a run that touch, or did and have something to forget.
+/// Pairs of a run that touch, or did and have something to forget: where their numbers begin, which is four times
+/// their place. Filled up to a whole block with one pair that does neither.
 pub(super) struct Acting {
-    /// Filled up to a whole block with one that does neither.
+    /// In the run.
     pub(super) pair: [u32; CHUNK + 8],
+    /// Of the spheres.
+    pub(super) first: [u32; CHUNK + 8],
+    pub(super) second: [u32; CHUNK + 8],
     pub(super) count: usize,
 }
 
@@ -41,7 +45,8 @@ impl PairKernel<'_> {
         let (second, _) = run.second.as_chunks::<8>();
         let (active, _) = run.active.as_chunks_mut::<8>();
         debug_assert!(8 * active.len() <= CHUNK);
-        let mut acting = Acting { pair: [0; CHUNK + 8], count: 0 };
+        let none = [0; CHUNK + 8];
+        let mut acting = Acting { pair: none, first: none, second: none, count: 0 };
         let mut idle = 0;
         for (k, ((first, second), active)) in first.iter().zip(second).zip(active).enumerate() {
             let valid = lowest_bits(run.pairs.saturating_sub(8 * k));
@@ -51,18 +56,26 @@ impl PairKernel<'_> {
             let before = u64::from_le_bytes(*active).wrapping_mul(0x0102_0408_1020_4080) >> 56;
             let acts = touching | before as u8;
             *active = BYTES[usize::from(touching)];
-            if let Some(to) = acting.pair[acting.count..].first_chunk_mut::<8>() {
-                for (to, lane) in to.iter_mut().zip(SET_BITS[usize::from(acts)]) {
-                    *to = 8 * k as u32 + u32::from(lane);
+            let order = &SET_BITS[usize::from(acts)];
+            let begin = 8 * k as u32;
+            let own = std::array::from_fn(|lane| begin + lane as u32);
+            for (from, to) in
+                [(&own, &mut acting.pair), (first, &mut acting.first), (second, &mut acting.second)]
+            {
+                if let Some(to) = to[acting.count..].first_chunk_mut() {
+                    V::pack_fours(from, order, to);
                 }
             }
             acting.count += acts.count_ones() as usize;
             if acts != u8::MAX {
-                idle = 8 * k as u32 + acts.trailing_ones();
+                idle = 8 * k + acts.trailing_ones() as usize;
             }
         }
         // As many lanes are idle as a last block lacks, or more.
-        acting.pair[acting.count..].iter_mut().take(8).for_each(|p| *p = idle);
+        let last = acting.count..(acting.count + 8).min(CHUNK + 8);
+        acting.pair[last.clone()].fill(4 * idle as u32);
+        acting.first[last.clone()].fill(4 * run.first.get(idle).unwrap_or(&0));
+        acting.second[last].fill(4 * run.second.get(idle).unwrap_or(&0));
         acting
     }
 }

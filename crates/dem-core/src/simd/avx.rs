@@ -42,25 +42,40 @@ impl Neg for Wide {
 }
 
 /// # Safety
-/// AVX is there and the four numbers of the place can be read.
+/// AVX is there and the four numbers of the quad can be read.
 #[inline(always)]
-unsafe fn quad(from: *const f64, place: u32) -> __m256d {
+unsafe fn quad(from: *const f64, at: u32) -> __m256d {
     // SAFETY: by the caller.
-    unsafe { _mm256_loadu_pd(from.add(4 * place as usize)) }
+    unsafe { _mm256_loadu_pd(from.add(at as usize)) }
 }
 
 /// # Safety
-/// AVX is there and the four numbers of the place can be written.
+/// AVX is there and the four numbers of the quad can be written.
 #[inline(always)]
-unsafe fn put_quad(to: *mut f64, place: u32, four: __m256d) {
+unsafe fn put_quad(to: *mut f64, at: u32, four: __m256d) {
     // SAFETY: by the caller.
-    unsafe { _mm256_storeu_pd(to.add(4 * place as usize), four) }
+    unsafe { _mm256_storeu_pd(to.add(at as usize), four) }
+}
+
+/// As [`Lanes::pack_fours`].
+///
+/// # Safety
+/// AVX2 is there.
+#[inline(always)]
+unsafe fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]) {
+    // SAFETY: by the caller; the arrays are as long as what is read and written.
+    unsafe {
+        let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
+        let places = _mm256_loadu_si256(places.as_ptr().cast());
+        let picked = _mm256_slli_epi32::<2>(_mm256_permutevar8x32_epi32(places, order));
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), picked);
+    }
 }
 
 /// Quads `k` and `k + 4` of eight, side by side.
 ///
 /// # Safety
-/// AVX-512 is there and the numbers of every place can be read.
+/// AVX-512 is there and the numbers of every quad can be read.
 #[inline(always)]
 unsafe fn rows(from: *const f64, p: &[u32; 8], k: usize) -> __m512d {
     // SAFETY: by the caller.
@@ -187,8 +202,11 @@ impl Lanes for Wide {
         }
     }
     #[inline(always)]
-    unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
-        let from = records.as_ptr().cast();
+    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]) {
+        unsafe { pack_fours(places, order, to) }
+    }
+    #[inline(always)]
+    unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
         unsafe {
             columns([
                 _mm512_sub_pd(rows(from, of, 0), rows(from, less, 0)),
@@ -345,8 +363,11 @@ impl Lanes for Pair {
         }
     }
     #[inline(always)]
-    unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
-        let from = records.as_ptr().cast();
+    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]) {
+        unsafe { pack_fours(places, order, to) }
+    }
+    #[inline(always)]
+    unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
         unsafe {
             let r = |k: usize| _mm256_sub_pd(quad(from, of[k]), quad(from, less[k]));
             let low = transpose(r(0), r(1), r(2), r(3));

@@ -4,7 +4,6 @@
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::lanes::{Lanes, Mask, Numbers};
-use crate::particles::Record;
 
 /// Most blocks at once.
 pub(super) const MOST: usize = 2;
@@ -25,21 +24,17 @@ pub(super) trait Blocks: Numbers {
     ///
     /// # Safety
     /// All of them can be read.
-    unsafe fn quads(from: *const f64, places: &[[u32; 8]]) -> [Self; 4];
+    unsafe fn quads(from: *const f64, at: &[[u32; 8]]) -> [Self; 4];
     /// As [`Lanes::put_quads`], block by block.
     ///
     /// # Safety
     /// All of them can be written.
-    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]]);
-    /// As [`Lanes::gather_difference`].
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[[u32; 8]]);
+    /// As [`Lanes::differences`], block by block.
     ///
     /// # Safety
-    /// Every place is below the length of `records`.
-    unsafe fn gather_difference(
-        records: &[Record],
-        of: &[[u32; 8]],
-        less: &[[u32; 8]],
-    ) -> [Self; 4];
+    /// All of them can be read.
+    unsafe fn differences(from: *const f64, of: &[[u32; 8]], less: &[[u32; 8]]) -> [Self; 4];
 }
 
 impl<V: Lanes> Blocks for V {
@@ -63,23 +58,19 @@ impl<V: Lanes> Blocks for V {
         all
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, places: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, at: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
-        unsafe { <V as Lanes>::quads(from, &places[0]) }
+        unsafe { <V as Lanes>::quads(from, &at[0]) }
     }
     #[inline(always)]
-    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[[u32; 8]]) {
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[[u32; 8]]) {
         // SAFETY: by the caller.
-        unsafe { <V as Lanes>::put_quads(fields, to, &places[0]) }
+        unsafe { <V as Lanes>::put_quads(fields, to, &at[0]) }
     }
     #[inline(always)]
-    unsafe fn gather_difference(
-        records: &[Record],
-        of: &[[u32; 8]],
-        less: &[[u32; 8]],
-    ) -> [Self; 4] {
+    unsafe fn differences(from: *const f64, of: &[[u32; 8]], less: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
-        unsafe { <V as Lanes>::gather_difference(records, &of[0], &less[0]) }
+        unsafe { <V as Lanes>::differences(from, &of[0], &less[0]) }
     }
 }
 
@@ -210,31 +201,27 @@ impl<V: Lanes> Blocks for Two<V> {
         all
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, places: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn quads(from: *const f64, at: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {
-            let first = <V as Lanes>::quads(from, &places[0]);
-            joined(first, <V as Lanes>::quads(from, &places[1]))
+            let first = <V as Lanes>::quads(from, &at[0]);
+            joined(first, <V as Lanes>::quads(from, &at[1]))
         }
     }
     #[inline(always)]
-    unsafe fn put_quads([x, y, z, w]: [Self; 4], to: *mut f64, places: &[[u32; 8]]) {
+    unsafe fn put_quads([x, y, z, w]: [Self; 4], to: *mut f64, at: &[[u32; 8]]) {
         // SAFETY: by the caller.
         unsafe {
-            <V as Lanes>::put_quads([x.0, y.0, z.0, w.0], to, &places[0]);
-            <V as Lanes>::put_quads([x.1, y.1, z.1, w.1], to, &places[1]);
+            <V as Lanes>::put_quads([x.0, y.0, z.0, w.0], to, &at[0]);
+            <V as Lanes>::put_quads([x.1, y.1, z.1, w.1], to, &at[1]);
         }
     }
     #[inline(always)]
-    unsafe fn gather_difference(
-        records: &[Record],
-        of: &[[u32; 8]],
-        less: &[[u32; 8]],
-    ) -> [Self; 4] {
+    unsafe fn differences(from: *const f64, of: &[[u32; 8]], less: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {
-            let first = <V as Lanes>::gather_difference(records, &of[0], &less[0]);
-            joined(first, <V as Lanes>::gather_difference(records, &of[1], &less[1]))
+            let first = <V as Lanes>::differences(from, &of[0], &less[0]);
+            joined(first, <V as Lanes>::differences(from, &of[1], &less[1]))
         }
     }
 }

@@ -50,16 +50,23 @@ impl Mask for u8 {
 pub(super) trait Lanes: Numbers<Mask = u8> {
     fn load(from: &[f64; 8]) -> Self;
     fn store(self, to: &mut [f64; 8]);
-    /// Four numbers at each of eight places, one vector for each of the four; place `p` begins at `4 p`.
+    /// Four numbers from each of eight places on, one vector for each of the four.
     ///
     /// # Safety
     /// All of them can be read.
-    unsafe fn quads(from: *const f64, places: &[u32; 8]) -> [Self; 4];
+    unsafe fn quads(from: *const f64, at: &[u32; 8]) -> [Self; 4];
     /// Put them there.
     ///
     /// # Safety
     /// All of them can be written.
-    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, places: &[u32; 8]);
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[u32; 8]);
+    /// Four numbers from each of eight places on, less those from eight others on.
+    ///
+    /// # Safety
+    /// All of them can be read.
+    unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4];
+    /// Where the numbers of records begin that `order` picks among eight: at four times their places.
+    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]);
     /// The records at eight places, one vector a field.
     ///
     /// # Safety
@@ -68,19 +75,27 @@ pub(super) trait Lanes: Numbers<Mask = u8> {
     unsafe fn gather(records: &[Record], places: &[u32; 8]) -> [Self; 4] {
         debug_assert!(places.iter().all(|p| (*p as usize) < records.len()));
         // SAFETY: by the caller; a record is four numbers.
-        unsafe { Self::quads(records.as_ptr().cast(), places) }
+        unsafe { Self::quads(records.as_ptr().cast(), &fours(places)) }
     }
-    /// The records at eight places less those at eight others, one vector a field.
-    ///
-    /// # Safety
-    /// Every place is below the length of `records`.
-    unsafe fn gather_difference(records: &[Record], of: &[u32; 8], less: &[u32; 8]) -> [Self; 4];
     /// Eight records from their fields.
     #[inline(always)]
     fn scatter(fields: [Self; 4], to: &mut [Record; 8]) {
         // SAFETY: eight records are eight times four numbers.
-        unsafe { Self::put_quads(fields, to.as_mut_ptr().cast(), &[0, 1, 2, 3, 4, 5, 6, 7]) }
+        unsafe { Self::put_quads(fields, to.as_mut_ptr().cast(), &[0, 4, 8, 12, 16, 20, 24, 28]) }
     }
+}
+
+/// Where the numbers of records begin.
+#[inline(always)]
+pub(super) fn fours(places: &[u32; 8]) -> [u32; 8] {
+    places.map(|p| 4 * p)
+}
+
+/// Along a periodic axis, the shortest of the images of `x`.
+#[inline(always)]
+fn shortest<V: Numbers>(x: V, length: f64) -> V {
+    let (half, length) = (V::splat(0.5 * length), V::splat(length));
+    (x + length).select(x.less(-half), (x - length).select(half.less(x), x))
 }
 
 /// Three vectors of lanes.
@@ -119,16 +134,13 @@ impl<V: Numbers> V3<V> {
     /// The shortest image along the periodic axis, as [`Period::shortest`] finds it for places that
     /// lie less than one and a half periods apart, as all places of a list do.
     #[inline(always)]
-    pub(super) fn shortest(mut self, p: Period) -> Self {
-        let along = match p.axis {
-            0 => &mut self.x,
-            1 => &mut self.y,
-            _ => &mut self.z,
-        };
-        let (half, length) = (V::splat(0.5 * p.length), V::splat(p.length));
-        let x = *along;
-        *along = (x + length).select(x.less(-half), (x - length).select(half.less(x), x));
-        self
+    pub(super) fn shortest(self, p: Period) -> Self {
+        // By value: an axis chosen by reference would keep all three in memory.
+        match p.axis {
+            0 => Self { x: shortest(self.x, p.length), ..self },
+            1 => Self { y: shortest(self.y, p.length), ..self },
+            _ => Self { z: shortest(self.z, p.length), ..self },
+        }
     }
 
     #[inline(always)]

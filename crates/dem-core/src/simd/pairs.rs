@@ -4,7 +4,7 @@
 use super::acting::Acting;
 use super::blocks::{Blocks, MOST, Two};
 use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
-use super::lanes::{Lanes, V3};
+use super::lanes::{Lanes, V3, fours};
 use super::{Constants, Level};
 use crate::forces::{ChunkYield, SphereView};
 use crate::list::lowest_bits;
@@ -23,12 +23,13 @@ pub(crate) struct Run<'a> {
     pub(crate) torque_second: &'a mut [Record],
 }
 
-/// Blocks of eight contacts that are computed together.
-struct Block {
-    first: [[u32; 8]; MOST],
-    second: [[u32; 8]; MOST],
-    /// Places in the run.
-    pair: [[u32; 8]; MOST],
+/// Blocks of eight contacts that are computed together: where the numbers of their spheres and their own in the
+/// run begin.
+#[derive(Clone, Copy)]
+struct Block<'a> {
+    first: &'a [[u32; 8]],
+    second: &'a [[u32; 8]],
+    pair: &'a [[u32; 8]],
     /// Lanes that hold a contact.
     valid: [u8; MOST],
 }
@@ -138,10 +139,10 @@ impl PairKernel<'_> {
     #[inline(always)]
     pub(super) unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
         let radius = self.one_size.map(|s| s[0]);
-        let (second, first) = (std::slice::from_ref(second), std::slice::from_ref(first));
+        let (second, first) = ([fours(second)], [fours(first)]);
         // SAFETY: by the caller.
         let (mut d, [rj, ri]) =
-            unsafe { difference::<V>(self.spheres.position, second, first, radius) };
+            unsafe { difference::<V>(self.spheres.position, &second, &first, radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
@@ -173,27 +174,16 @@ impl PairKernel<'_> {
         };
         let whole = acting.count.next_multiple_of(8);
         while done + 8 * V::COUNT <= whole {
-            let mut block = Block {
-                first: [[0; 8]; MOST],
-                second: [[0; 8]; MOST],
-                pair: [[0; 8]; MOST],
-                valid: [0; MOST],
+            let block = Block {
+                first: acting.first[done..done + 8 * V::COUNT].as_chunks().0,
+                second: acting.second[done..done + 8 * V::COUNT].as_chunks().0,
+                pair: acting.pair[done..done + 8 * V::COUNT].as_chunks().0,
+                valid: [0, 8].map(|k| lowest_bits(acting.count.saturating_sub(done + k))),
             };
-            for k in 0..V::COUNT {
-                let begin = done + 8 * k;
-                for lane in 0..8 {
-                    let pair = acting.pair[begin + lane];
-                    block.pair[k][lane] = pair;
-                    block.first[k][lane] = run.first[pair as usize];
-                    block.second[k][lane] = run.second[pair as usize];
-                }
-                block.valid[k] = lowest_bits(acting.count.saturating_sub(begin));
-            }
             // SAFETY: by the caller; every pair is one of the run.
-            let deep = unsafe { self.block::<V, FAST, MORE>(&block, sinks, &laws, nothing) };
+            let deep = unsafe { self.block::<V, FAST, MORE>(block, sinks, &laws, nothing) };
             if deep != [0; MOST] {
-                for ((deep, first), second) in deep.into_iter().zip(&block.first).zip(&block.second)
-                {
+                for ((deep, first), second) in deep.into_iter().zip(block.first).zip(block.second) {
                     self.note_deep(deep, first, second, into);
                 }
             }
@@ -202,10 +192,11 @@ impl PairKernel<'_> {
         done
     }
 
+    /// Note lanes that overlap too deeply, of spheres whose numbers begin there.
     #[cold]
     fn note_deep(&self, deep: u8, first: &[u32; 8], second: &[u32; 8], into: &mut ChunkYield) {
         for lane in (0..8).filter(|l| deep >> l & 1 != 0) {
-            let (i, j) = (first[lane], second[lane]);
+            let (i, j) = (first[lane] / 4, second[lane] / 4);
             let (a, b) = (self.spheres.position[i as usize], self.spheres.position[j as usize]);
             let d = crate::neighbour::Period::shortest(self.period, b.vector() - a.vector());
             let overlap = a.w + b.w - d.length();
@@ -221,7 +212,7 @@ impl PairKernel<'_> {
     #[inline(always)]
     unsafe fn block<V: Blocks, const FAST: bool, const MORE: bool>(
         &self,
-        b: &Block,
+        b: Block<'_>,
         sinks: Sinks,
         only: &Laws<V>,
         nothing: f64,
@@ -229,7 +220,7 @@ impl PairKernel<'_> {
         let s = &self.spheres;
         let [radius, mass] = [0, 1].map(|k| self.one_size.map(|s| s[k]));
         // SAFETY: by the caller.
-        let (mut d, [rj, ri]) = unsafe { difference::<V>(s.position, &b.second, &b.first, radius) };
+        let (mut d, [rj, ri]) = unsafe { difference::<V>(s.position, b.second, b.first, radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
@@ -246,13 +237,13 @@ impl PairKernel<'_> {
         let overlap = sum - distance;
         // SAFETY: by the caller.
         let (approach, [mi, mj]) =
-            unsafe { difference::<V>(s.mean_velocity, &b.first, &b.second, mass) };
+            unsafe { difference::<V>(s.mean_velocity, b.first, b.second, mass) };
         // SAFETY: by the caller.
         let (wi, wj, end) = unsafe {
             (
-                V::quads(s.mean_spin.as_ptr().cast(), &b.first),
-                V::quads(s.mean_spin.as_ptr().cast(), &b.second),
-                V3::of(V::gather_difference(s.end_velocity, &b.first, &b.second)),
+                V::quads(s.mean_spin.as_ptr().cast(), b.first),
+                V::quads(s.mean_spin.as_ptr().cast(), b.second),
+                V3::of(V::differences(s.end_velocity.as_ptr().cast(), b.first, b.second)),
             )
         };
         let many;
@@ -295,20 +286,20 @@ impl PairKernel<'_> {
             dt,
         };
         // SAFETY: by the caller.
-        let old = unsafe { V::quads(sinks.memory, &b.pair) };
+        let old = unsafe { V::quads(sinks.memory, b.pair) };
         let features = if MORE { self.features } else { Features::NONE };
         let out = respond::<V, FAST>(&motion, laws, features, V3::of(old), old[3], touching);
         // SAFETY: by the caller.
-        unsafe { store(b, sinks, touching, &out, nothing) };
+        unsafe { store(b.pair, sinks, touching, &out, nothing) };
         V::bits(deep)
     }
 }
 
-/// Vectors of records less those of others, and both scalars, which are `alike` in all records if given: then
-/// only differences are needed, and half as many exchanges.
+/// Vectors of records less those of others, whose numbers begin there, and both scalars, which are `alike` in all
+/// records if given: then only differences are needed, and half as many exchanges.
 ///
 /// # Safety
-/// Every place is below the length of `records`.
+/// Four numbers of `records` begin at every place.
 #[inline(always)]
 unsafe fn difference<V: Blocks>(
     records: &[Record],
@@ -316,15 +307,14 @@ unsafe fn difference<V: Blocks>(
     less: &[[u32; 8]],
     alike: Option<f64>,
 ) -> (V3<V>, [V; 2]) {
+    debug_assert!(of.iter().chain(less).flatten().all(|at| (*at as usize) < 4 * records.len()));
+    let from = records.as_ptr().cast();
     // SAFETY: by the caller; a record is four numbers.
     unsafe {
         match alike {
-            Some(scalar) => {
-                (V3::of(V::gather_difference(records, of, less)), [V::splat(scalar); 2])
-            }
+            Some(scalar) => (V3::of(V::differences(from, of, less)), [V::splat(scalar); 2]),
             None => {
-                let a = V::quads(records.as_ptr().cast(), of);
-                let b = V::quads(records.as_ptr().cast(), less);
+                let (a, b) = (V::quads(from, of), V::quads(from, less));
                 (V3::of(a) - V3::of(b), [a[3], b[3]])
             }
         }
@@ -334,7 +324,13 @@ unsafe fn difference<V: Blocks>(
 /// # Safety
 /// The sinks hold four numbers for each pair of the block.
 #[inline(always)]
-unsafe fn store<V: Blocks>(b: &Block, sinks: Sinks, touching: V::Mask, out: &Out<V>, nothing: f64) {
+unsafe fn store<V: Blocks>(
+    pair: &[[u32; 8]],
+    sinks: Sinks,
+    touching: V::Mask,
+    out: &Out<V>,
+    nothing: f64,
+) {
     let zero = V::splat(nothing);
     let none = V3::splat(0.0);
     let stiffness = out.stiffness.select(touching, zero);
@@ -346,6 +342,6 @@ unsafe fn store<V: Blocks>(b: &Block, sinks: Sinks, touching: V::Mask, out: &Out
     ] {
         let v = v.select(touching, none);
         // SAFETY: by the caller.
-        unsafe { V::put_quads([v.x, v.y, v.z, scalar], to, &b.pair) };
+        unsafe { V::put_quads([v.x, v.y, v.z, scalar], to, pair) };
     }
 }
