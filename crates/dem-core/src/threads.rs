@@ -371,7 +371,9 @@ impl Crew {
         s.done.store(0, Ordering::Relaxed);
         s.chunks.store(chunks, Ordering::Relaxed);
         for (k, share) in s.shares.iter().enumerate() {
-            share.open(round, s.begin(k, chunks), s.begin(k + 1, chunks));
+            // SAFETY: just set, and read only.
+            let own: usize = unsafe { &*stages }.iter().map(|stage| s.part(k, *stage).len()).sum();
+            share.open(round, 0, own);
         }
         s.round.store(round, Ordering::SeqCst);
         for bed in &s.beds[1..] {
@@ -403,32 +405,41 @@ impl Drop for Crew {
 }
 
 impl Shared {
-    /// First chunk of the share of thread `k`.
-    fn begin(&self, k: usize, chunks: usize) -> usize {
-        k * chunks / self.shares.len()
+    /// Chunks of a stage in the share of thread `k`: the same part of every stage, so that a thread finds what
+    /// lies side by side in its own cache, from stage to stage and from step to step.
+    fn part(&self, k: usize, stage: &dyn Work) -> std::ops::Range<usize> {
+        let (count, threads) = (stage.count(), self.shares.len());
+        k * count / threads..(k + 1) * count / threads
     }
 
     /// Do chunks of this round, own ones first, until none is left.
     fn take_chunks(&self, own: usize, round: u64) {
         let threads = self.shares.len();
         for victim in (own..threads).chain(0..own) {
-            loop {
+            let mut taken = 0;
+            let over = loop {
                 let chunk = match self.shares[victim].claim(round) {
                     Ok(chunk) => chunk,
-                    Err(true) => return,
-                    Err(false) => break,
+                    Err(over) => break over,
                 };
                 // SAFETY: a chunk of this round is claimed and not done, so the round lasts.
-                let work = || unsafe { self.chunk(chunk) };
+                let work = || unsafe { self.chunk(victim, chunk) };
                 if let Err(payload) = catch_unwind(AssertUnwindSafe(work))
                     && let Ok(mut panic) = self.panic.lock()
                 {
                     *panic = Some(payload);
                 }
+                taken += 1;
+            };
+            // While some are not told, the round lasts.
+            if taken > 0 {
                 let chunks = self.chunks.load(Ordering::Relaxed);
-                if self.done.fetch_add(1, Ordering::SeqCst) + 1 == chunks {
+                if self.done.fetch_add(taken, Ordering::SeqCst) + taken == chunks {
                     self.wake_caller();
                 }
+            }
+            if over {
+                return;
             }
         }
     }
@@ -442,19 +453,21 @@ impl Shared {
         }
     }
 
+    /// Do a chunk of the share of thread `k`, counted over all stages.
+    ///
     /// # Safety
     /// The caller has claimed the chunk.
-    unsafe fn chunk(&self, mut chunk: usize) {
+    unsafe fn chunk(&self, k: usize, mut chunk: usize) {
         // SAFETY: by the caller the round lasts.
         let stages = unsafe { &**self.stages.0.get() };
         for stage in stages {
-            let count = stage.count();
-            if chunk < count {
+            let part = self.part(k, *stage);
+            if chunk < part.len() {
                 // SAFETY: a chunk is claimed once.
-                unsafe { stage.chunk(chunk) };
+                unsafe { stage.chunk(part.start + chunk) };
                 return;
             }
-            chunk -= count;
+            chunk -= part.len();
         }
     }
 
