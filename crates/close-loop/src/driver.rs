@@ -261,8 +261,25 @@ impl State<'_> {
         self.anchor(2, watch)?;
         let points = vec![self.snap(&self.theta); self.effort.replicates];
         self.base_runs(Stage::Replicates, &points, 0, watch)?;
+        self.count_frames_anew(&self.base_model()?);
         self.theta = self.best()?;
         Ok(())
+    }
+
+    /// What was measured swings as slowly as what is simulated, and as far: its frames count for fewer where
+    /// simulations scatter by more than theirs show, and where its own show less than those of simulations.
+    /// (A bed at the edge of surging may be quiet for as long as somebody looks.)
+    fn count_frames_anew(&mut self, base: &Emulator) {
+        let frames = f64::from(self.setup.rig.run.frames);
+        let held_out = self.setup.held_out.as_mut();
+        for set in std::iter::once(&mut self.setup.observations).chain(held_out) {
+            for (item, n) in set.items.iter().zip(&mut set.n_eff) {
+                let simulated = base.variance_of_mean(item.omega_rpm)[item.response.index()];
+                let swings = base.swings(item.omega_rpm);
+                let quiet = simulated / swings * frames / (item.sd * item.sd);
+                *n /= swings * quiet.max(1.0);
+            }
+        }
     }
 
     /// The nearest point of a grid of half units: runs are made there, so that loops on the same
@@ -321,7 +338,9 @@ impl State<'_> {
     /// The base model.
     pub(crate) fn base_model(&self) -> Result<Emulator, CalibError> {
         let knots = self.setup.knots.clone();
-        let model = Emulator::fit(self.setup.axes.clone(), self.middle(), knots, &self.base)?;
+        let axes = self.setup.axes.clone();
+        let point = (!self.theta.is_empty()).then_some(&self.theta[..]);
+        let model = Emulator::about(axes, self.middle(), knots, &self.base, point)?;
         Ok(self.dress(model))
     }
 
@@ -587,8 +606,8 @@ impl State<'_> {
         origin.push(effect.null);
         let knots = self.setup.knots.clone();
         let axes = self.effect_axes(effect);
-        let shift = Some(base.shift());
-        Ok(self.dress(Emulator::with_shifts(axes, origin, knots, &all, shift)?))
+        let scatter = base.scatter();
+        Ok(self.dress(Emulator::with_scatter(axes, origin, knots, &all, scatter)?))
     }
 
     /// Every effect of the catalogue whose model can be made.
@@ -664,7 +683,7 @@ impl State<'_> {
 /// know is counted as common to all of them.
 fn off_by(model: &Emulator, whole: &[Sample]) -> Vec<Shift> {
     let n = whole.len() as f64;
-    let shift = model.shift();
+    let (shift, swings) = (model.shift(), &model.scatter().swings);
     let mut bias = vec![([0.0; 4], [[0.0; 4]; 4]); model.knots().len()];
     for run in whole {
         let stand_in = model.moments(&run.at);
@@ -674,7 +693,8 @@ fn off_by(model: &Emulator, whole: &[Sample]) -> Vec<Shift> {
                 mean[r] += (run.mean[k][r] - at[r]) / n;
                 covariance[r][r] += shift[r].powi(2) / (n * n) + stand_in.shared[k][r].powi(2) / n;
                 for c in 0..4 {
-                    covariance[r][c] += run.covariance[k][r][c] / (n * n) + unknown[r][c] / n;
+                    covariance[r][c] +=
+                        swings[k] * run.covariance[k][r][c] / (n * n) + unknown[r][c] / n;
                 }
             }
         }

@@ -6,7 +6,7 @@
 use calib::{CalibError, Predicted, Simulator};
 
 pub use crate::process::Shift;
-use crate::process::{Local, Process};
+use crate::process::{Local, Process, Scatter};
 use crate::scale::Scale;
 use crate::speeds::weights;
 
@@ -39,8 +39,6 @@ pub struct Emulator {
     origin: Vec<f64>,
     knots: Vec<f64>,
     process: Process,
-    /// Mean covariance of one run from its frames, by knot.
-    frames: Vec<[[f64; 4]; 4]>,
     /// Uncertain knowns that were simulated: change of (knot, response) for one standard deviation.
     modes: Vec<Vec<[f64; 4]>>,
     /// Added to every prediction, with its covariance, by knot.
@@ -59,33 +57,51 @@ impl Emulator {
         knots: Vec<f64>,
         samples: &[Sample],
     ) -> Result<Self, CalibError> {
-        Self::with_shifts(axes, origin, knots, samples, None)
+        Self::about(axes, origin, knots, samples, None)
     }
 
-    /// The same with the shift of fillings that other runs of the same drum have shown.
-    pub(crate) fn with_shifts(
+    /// The same, for use about a point: how runs scatter there is told by those about it, since a bed that
+    /// surges at a low friction is quiet at a higher one.
+    pub(crate) fn about(
         axes: Vec<Axis>,
         origin: Vec<f64>,
         knots: Vec<f64>,
         samples: &[Sample],
-        shift: Option<[f64; 4]>,
+        point: Option<&[f64]>,
     ) -> Result<Self, CalibError> {
-        if samples.len() < 2 {
-            return Err(CalibError::TooFewRuns { runs: samples.len(), terms: 1, needed: 2 });
-        }
-        let coded = samples.iter().map(|s| code(&axes, &origin, &s.at)).collect();
-        let mean: Vec<&[[f64; 4]]> = samples.iter().map(|s| &s.mean[..]).collect();
-        let frames: Vec<[[f64; 4]; 4]> = (0..knots.len())
-            .map(|k| {
-                let n = samples.len() as f64;
-                let of =
-                    |r: usize, c: usize| samples.iter().map(|s| s.covariance[k][r][c]).sum::<f64>();
-                std::array::from_fn(|r| std::array::from_fn(|c| of(r, c) / n))
-            })
-            .collect();
-        let process = Process::fit(coded, &mean, &frames, shift)?;
+        let (coded, mean) = runs(&axes, &origin, samples)?;
+        let weight: Vec<f64> = match point.map(|p| code(&axes, &origin, p)) {
+            Some(point) => coded.iter().map(|c| nearness(c, &point)).collect(),
+            None => vec![1.0; samples.len()],
+        };
+        let all: f64 = weight.iter().sum();
+        let frames = |k: usize| {
+            let each = || samples.iter().zip(&weight);
+            let of =
+                |r: usize, c: usize| each().map(|(s, w)| w * s.covariance[k][r][c]).sum::<f64>();
+            std::array::from_fn(|r| std::array::from_fn(|c| of(r, c) / all))
+        };
+        let frames = (0..knots.len()).map(frames).collect();
+        let process = Process::fit(coded, &mean, frames, &weight)?;
+        Ok(Self::of(axes, origin, knots, process))
+    }
+
+    /// The same with the scatter that other runs of the same drum have shown.
+    pub(crate) fn with_scatter(
+        axes: Vec<Axis>,
+        origin: Vec<f64>,
+        knots: Vec<f64>,
+        samples: &[Sample],
+        scatter: &Scatter,
+    ) -> Result<Self, CalibError> {
+        let (coded, mean) = runs(&axes, &origin, samples)?;
+        let process = Process::with_scatter(coded, &mean, scatter)?;
+        Ok(Self::of(axes, origin, knots, process))
+    }
+
+    fn of(axes: Vec<Axis>, origin: Vec<f64>, knots: Vec<f64>, process: Process) -> Self {
         let bias = vec![([0.0; 4], [[0.0; 4]; 4]); knots.len()];
-        Ok(Self { axes, origin, knots, process, frames, modes: Vec::new(), bias })
+        Self { axes, origin, knots, process, modes: Vec::new(), bias }
     }
 
     /// Add what a stand-in is off by: the difference at each knot with its covariance.
@@ -100,9 +116,9 @@ impl Emulator {
         &self.bias
     }
 
-    /// Covariance of one run from its frames, by knot.
+    /// Covariance of one run from its frames and what swings more slowly than they show, by knot.
     pub fn frames(&self) -> &[[[f64; 4]; 4]] {
-        &self.frames
+        &self.process.scatter.frames
     }
 
     /// Add uncertain knowns that were simulated: for each, the change of every (knot, response)
@@ -116,17 +132,43 @@ impl Emulator {
     /// Standard deviation of the shift of each response, common to all speeds, from one filling of the drum
     /// to the next.
     pub fn shift(&self) -> [f64; 4] {
-        self.process.shift
+        self.process.scatter.shift
+    }
+
+    /// How runs scatter.
+    pub(crate) fn scatter(&self) -> &Scatter {
+        &self.process.scatter
+    }
+
+    /// Variance of a mean over what its frames show, at any speed: slow swings of the bed.
+    pub fn swings(&self, omega_rpm: f64) -> f64 {
+        self.linear(omega_rpm, |k| self.process.scatter.swings[k])
+    }
+
+    /// Variance of one run's means from its frames and what swings more slowly, at any speed.
+    pub(crate) fn variance_of_mean(&self, omega_rpm: f64) -> [f64; 4] {
+        std::array::from_fn(|r| self.linear(omega_rpm, |k| self.frames()[k][r][r]))
+    }
+
+    /// Between the knots along a line, constant beyond them.
+    fn linear(&self, omega_rpm: f64, of: impl Fn(usize) -> f64) -> f64 {
+        let knots = &self.knots;
+        let above = knots.partition_point(|k| *k < omega_rpm).min(knots.len() - 1);
+        let below = above.saturating_sub(usize::from(knots[above] > omega_rpm));
+        let (a, b, apart) = (of(below), of(above), knots[above] - knots[below]);
+        if apart > 0.0 { a + (b - a) * (omega_rpm - knots[below]) / apart } else { a }
     }
 
     /// By how much runs scatter beyond their frames, as a factor on the variance, on average.
     pub fn inflation(&self) -> f64 {
         let ratio = |f: &[[f64; 4]; 4]| -> f64 {
             (0..4)
-                .map(|r| 0.25 * self.process.shift[r].powi(2) / f[r][r].max(f64::MIN_POSITIVE))
+                .map(|r| {
+                    0.25 * self.process.scatter.shift[r].powi(2) / f[r][r].max(f64::MIN_POSITIVE)
+                })
                 .sum()
         };
-        1.0 + self.frames.iter().map(ratio).sum::<f64>() / self.knots.len() as f64
+        1.0 + self.frames().iter().map(ratio).sum::<f64>() / self.knots.len() as f64
     }
 
     /// The axes.
@@ -150,7 +192,7 @@ impl Emulator {
 
     /// What is known at the knots, without modes, bias included.
     pub(crate) fn moments(&self, at: &[f64]) -> Local {
-        let mut local = self.process.moments(&code(&self.axes, &self.origin, at), &self.frames);
+        let mut local = self.process.moments(&code(&self.axes, &self.origin, at));
         self.shift_by_bias(&mut local);
         local
     }
@@ -174,11 +216,11 @@ impl Emulator {
     /// Variance at a point over that of one run from its frames, on average: 1 where one run was made, more
     /// where nothing is known.
     pub(crate) fn doubt(&self, at: &[f64]) -> f64 {
-        let local = self.process.moments(&code(&self.axes, &self.origin, at), &self.frames);
+        let local = self.process.moments(&code(&self.axes, &self.origin, at));
         let mut sum = 0.0;
         for (k, ((_, covariance), shared)) in local.at.iter().zip(&local.shared).enumerate() {
             for r in 0..4 {
-                let run = self.frames[k][r][r] + self.process.shift[r].powi(2);
+                let run = self.frames()[k][r][r] + self.process.scatter.shift[r].powi(2);
                 let known = covariance[r][r] + shared[r].powi(2);
                 sum += 0.25 * known / run.max(f64::MIN_POSITIVE);
             }
@@ -212,7 +254,7 @@ impl Emulator {
         let value = |w: &[f64], mode: &[[f64; 4]], r: usize| -> f64 {
             w.iter().zip(mode).map(|(w, m)| w * m[r]).sum()
         };
-        let shift = vec![self.process.shift; self.knots.len()];
+        let shift = vec![self.process.scatter.shift; self.knots.len()];
         let mut covariance = vec![0.0; n * n];
         for a in 0..speeds_rpm.len() {
             for b in 0..=a {
@@ -275,6 +317,25 @@ impl Simulator for Emulator {
         self.check(theta)?;
         Ok(self.between(speeds_rpm, &self.at_knots(theta)))
     }
+}
+
+/// Coordinates and means of runs.
+fn runs<'s>(
+    axes: &[Axis],
+    origin: &[f64],
+    samples: &'s [Sample],
+) -> Result<(Vec<Vec<f64>>, Vec<&'s [[f64; 4]]>), CalibError> {
+    if samples.len() < 2 {
+        return Err(CalibError::TooFewRuns { runs: samples.len(), terms: 1, needed: 2 });
+    }
+    let coded = samples.iter().map(|s| code(axes, origin, &s.at)).collect();
+    Ok((coded, samples.iter().map(|s| &s.mean[..]).collect()))
+}
+
+/// Weight of a run in what is told of a point: a standard deviation is one coded unit.
+fn nearness(a: &[f64], b: &[f64]) -> f64 {
+    let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+    (-0.5 * apart).exp()
 }
 
 fn code(axes: &[Axis], origin: &[f64], at: &[f64]) -> Vec<f64> {

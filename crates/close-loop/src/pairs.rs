@@ -57,7 +57,7 @@ impl State<'_> {
         let mut origin = self.middle();
         origin.extend([a.null, b.null]);
         let knots = self.setup.knots.clone();
-        let model = Emulator::with_shifts(axes, origin, knots, &all, Some(base.shift()))?;
+        let model = Emulator::with_scatter(axes, origin, knots, &all, base.scatter())?;
         Ok(self.dress(model))
     }
 

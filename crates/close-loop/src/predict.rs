@@ -39,7 +39,8 @@ pub(crate) fn predictions(
         for response in Response::ALL {
             let r = response.index();
             let mut mean = rows.iter().map(|s| s.mean[r]).sum::<f64>() / n;
-            let frames = rows.iter().map(|s| s.covariance[r][r]).sum::<f64>() / (n * n);
+            let frames = rows.iter().map(|s| s.covariance[r][r]).sum::<f64>() / (n * n)
+                * base.swings(*omega);
             let mut variance = frames + shift[r].powi(2) * (1.0 + 1.0 / n);
             for (w, (b, c)) in w.iter().zip(bias.unwrap_or_default()) {
                 mean += w * b[r];

@@ -8,7 +8,9 @@
 //!
 //! A run differs from the next by more than its frames scatter: another filling of the drum has a little
 //! more or less volume at all its speeds (560 beads of 12 % spread move the centre of area by 0.6 % of R).
-//! So a run's noise is that of its frames and a shift of each response which its speeds share.
+//! So a run's noise is that of its frames and a shift of each response which its speeds share. Where a bed swings
+//! more slowly than a run looks at it, its frames show too little: by which factor, speed by speed, is told by
+//! how runs left out miss the surface through all others ([`Scatter`]).
 
 use calib::CalibError;
 use faer::linalg::solvers::Solve as _;
@@ -34,6 +36,8 @@ const AMPLITUDE: (f64, f64) = (1.2, 0.7);
 const SHIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 /// Shift that is expected, with the standard deviation of its logarithm.
 const SHIFT: (f64, f64) = (0.3, 1.0);
+/// Least number of runs that tell how they scatter.
+const LEAST_RUNS: f64 = 8.0;
 /// Least variance of a mean, (0.01 deg)^2.
 const FLOOR: f64 = 1e-4;
 
@@ -50,6 +54,17 @@ pub(crate) struct Local {
     pub(crate) shared: Vec<[f64; 4]>,
 }
 
+/// How one run differs from the next of the same drum.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Scatter {
+    /// Standard deviation of a filling's shift of each response, shared by all speeds.
+    pub(crate) shift: [f64; 4],
+    /// Variance of a mean over what its frames show, by knot; 1 or more.
+    pub(crate) swings: Vec<f64>,
+    /// Covariance of a run's means without the shift, by knot: that of its frames times the former.
+    pub(crate) frames: Vec<[[f64; 4]; 4]>,
+}
+
 /// All outputs over the same runs.
 #[derive(Debug, Clone)]
 pub(crate) struct Process {
@@ -57,8 +72,7 @@ pub(crate) struct Process {
     coded: Vec<Vec<f64>>,
     amplitude: [f64; 4],
     length: f64,
-    /// Standard deviation of a filling's shift of each response.
-    pub(crate) shift: [f64; 4],
+    pub(crate) scatter: Scatter,
     /// By knot and response.
     outputs: Vec<[Output; 4]>,
 }
@@ -72,12 +86,89 @@ struct Output {
 
 impl Process {
     /// Regression on runs at `coded` whose outputs are `mean` (by run and knot), with the covariance of
-    /// their frames by knot; the shift of fillings is found if it is not given.
+    /// their frames by knot. How runs scatter is told by all of them, each with its weight.
     pub(crate) fn fit(
         coded: Vec<Vec<f64>>,
         mean: &[&[[f64; 4]]],
-        frames: &[[[f64; 4]; 4]],
-        shift: Option<[f64; 4]>,
+        frames: Vec<[[f64; 4]; 4]>,
+        weight: &[f64],
+    ) -> Result<Self, CalibError> {
+        let first = Self::with(coded, mean, frames, None)?;
+        let (sum, squares) =
+            weight.iter().fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+        if sum * sum < LEAST_RUNS * squares {
+            return Ok(first);
+        }
+        let scatter = first.scatter_of_runs(weight);
+        Self::with_scatter(first.coded, mean, &scatter)
+    }
+
+    /// The same where it is known how runs scatter.
+    pub(crate) fn with_scatter(
+        coded: Vec<Vec<f64>>,
+        mean: &[&[[f64; 4]]],
+        scatter: &Scatter,
+    ) -> Result<Self, CalibError> {
+        let process = Self::with(coded, mean, scatter.frames.clone(), Some(scatter.shift))?;
+        Ok(Self { scatter: scatter.clone(), ..process })
+    }
+
+    /// How the runs scatter about what the others say of them: shifts that the speeds of a run share, from
+    /// the products of its misses at different speeds; what is left beyond the frames, speed by speed.
+    fn scatter_of_runs(&self, weight: &[f64]) -> Scatter {
+        let frames = &self.scatter.frames;
+        let (n, knots) = (self.coded.len(), self.outputs.len());
+        // Miss of run i if it is left out, and the variance of that (Rasmussen and Williams, section 5.4.2).
+        let missed = |k: usize, r: usize, i: usize| {
+            let (o, own) = (&self.outputs[k][r], self.outputs[k][r].inverse[(i, i)]);
+            (o.alpha[i] / own, 1.0 / own)
+        };
+        let all: f64 = weight.iter().sum();
+        let mean = |of: &dyn Fn(usize) -> f64| (0..n).map(|i| weight[i] * of(i)).sum::<f64>() / all;
+        let shift = std::array::from_fn(|r| {
+            let (mut products, mut count) = (0.0, 0.0);
+            for k in 0..knots {
+                for l in 0..k {
+                    products += mean(&|i| missed(k, r, i).0 * missed(l, r, i).0);
+                    count += 1.0;
+                }
+            }
+            // With one speed there is nothing to tell them apart by; the likelihood was asked on a coarse grid.
+            let asked = self.scatter.shift[r];
+            if count == 0.0 {
+                return asked;
+            }
+            (products / count).max(0.0).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked)
+        });
+        let swings: Vec<f64> = (0..knots)
+            .map(|k| {
+                let (mut sum, mut weights) = (0.0, f64::MIN_POSITIVE);
+                for r in 0..4 {
+                    let frame = frames[k][r][r].max(FLOOR);
+                    let noise = frame + self.scatter.shift[r].powi(2);
+                    let seen = mean(&|i| {
+                        let (miss, variance) = missed(k, r, i);
+                        miss * miss - (variance - noise)
+                    });
+                    let shift: f64 = shift[r];
+                    let weight = (frame / (frame + shift * shift)).powi(2);
+                    sum += weight * (seen - shift * shift) / frame;
+                    weights += weight;
+                }
+                (sum / weights).max(1.0)
+            })
+            .collect();
+        let of_means = |(f, s): (&[[f64; 4]; 4], &f64)| f.map(|row| row.map(|v| v * s));
+        let frames = frames.iter().zip(&swings).map(of_means).collect();
+        Scatter { shift, swings, frames }
+    }
+
+    /// With the covariance of a run's means by knot; the shift of fillings is found if it is not given.
+    fn with(
+        coded: Vec<Vec<f64>>,
+        mean: &[&[[f64; 4]]],
+        frames: Vec<[[f64; 4]; 4]>,
+        given: Option<[f64; 4]>,
     ) -> Result<Self, CalibError> {
         let n = coded.len();
         let kernels = |length: f64| -> Vec<(f64, f64)> {
@@ -118,8 +209,8 @@ impl Process {
             let mut chosen = [(AMPLITUDE.0, SHIFT.0); 4];
             for (r, own) in chosen.iter_mut().enumerate() {
                 let mut most = f64::NEG_INFINITY;
-                let given = shift.map(|s| [s[r]]);
-                for s in given.as_ref().map_or(&SHIFTS[..], |s| &s[..]) {
+                let only = given.map(|s| [s[r]]);
+                for s in only.as_ref().map_or(&SHIFTS[..], |s| &s[..]) {
                     for amplitude in AMPLITUDES {
                         let l = log_likelihood(&of, amplitude, *s, r)?;
                         if l > most {
@@ -153,7 +244,8 @@ impl Process {
             }
             fitted.push(four.try_into().map_err(|_| fault())?);
         }
-        Ok(Self { coded, amplitude, length, shift, outputs: fitted })
+        let scatter = Scatter { shift, swings: vec![1.0; frames.len()], frames };
+        Ok(Self { coded, amplitude, length, scatter, outputs: fitted })
     }
 
     /// Means at a point, by knot.
@@ -177,12 +269,14 @@ impl Process {
 
     /// Means at a point with their covariance, by knot. What the frames' scatter leaves is common to the
     /// responses as the frames are; what the surface does not know is each response's own.
-    pub(crate) fn moments(&self, z: &[f64], frames: &[[[f64; 4]; 4]]) -> Local {
+    pub(crate) fn moments(&self, z: &[f64]) -> Local {
         let n = self.coded.len();
         let to = self.to(z);
         let (own_q, own_s) = kernel(z, z, self.length);
         let mut local = Local { at: Vec::new(), shared: Vec::new() };
-        for ((four, frame), mean) in self.outputs.iter().zip(frames).zip(self.mean_from(&to)) {
+        for ((four, frame), mean) in
+            self.outputs.iter().zip(&self.scatter.frames).zip(self.mean_from(&to))
+        {
             let mut shared = [0.0; 4];
             let mut weights: [Vec<f64>; 4] = Default::default();
             let mut covariance = [[0.0; 4]; 4];
@@ -194,7 +288,7 @@ impl Process {
                 let known: f64 = k.iter().zip(&weights[r]).map(|(k, w)| k * w).sum();
                 let all = (own_q + a * own_s - known).max(0.0);
                 let square: f64 = weights[r].iter().map(|w| w * w).sum();
-                let of_fillings = (square * self.shift[r].powi(2)).min(all);
+                let of_fillings = (square * self.scatter.shift[r].powi(2)).min(all);
                 shared[r] = of_fillings.sqrt();
                 covariance[r][r] = all - of_fillings;
             }
@@ -264,17 +358,61 @@ mod tests {
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let mut frame = [[0.0005; 4]; 4];
         (0..4).for_each(|r| frame[r][r] = 0.001);
-        let process = Process::fit(coded, &rows, &[frame], None).unwrap();
+        let process = Process::fit(coded, &rows, vec![frame], &[1.0; 29]).unwrap();
         // Absent, strong, and the frictions of either.
         for z in [[0.3, 0.0], [-1.4, 0.0], [1.9, 0.0], [1.7, 3.6], [2.1, 3.8]] {
-            let local = process.moments(&z, &[frame]);
+            let local = process.moments(&z);
             let (mean, covariance) = local.at[0];
             let sd = (covariance[0][0] + local.shared[0][0].powi(2)).sqrt();
             assert!((mean[0] - surface(&z)).abs() < 0.15, "{z:?} {} {}", mean[0], surface(&z));
             assert!((mean[0] - surface(&z)).abs() < 3.0 * sd && sd < 0.2, "{z:?} {sd}");
         }
         // Between them nothing is known to a tenth of a degree, and it is said.
-        let (_, covariance) = process.moments(&[-2.0, 3.0], &[frame]).at[0];
+        let (_, covariance) = process.moments(&[-2.0, 3.0]).at[0];
         assert!(covariance[0][0].sqrt() > 0.5);
+    }
+
+    /// Numbers that look random, standard normal.
+    fn normal(seed: &mut u64) -> f64 {
+        let mut uniform = || {
+            *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (*seed >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (a, b) = (uniform().max(1e-12), uniform());
+        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+    }
+
+    /// How forty runs along a line scatter that share a shift of `shift` over four speeds, and whose means at the
+    /// first speed vary by `swings` times what frames show, 0.09.
+    fn scatter(shift: f64, swings: f64, mut seed: u64) -> Scatter {
+        let coded: Vec<Vec<f64>> = (0..40).map(|k| vec![-1.0 + 0.05 * f64::from(k)]).collect();
+        let runs: Vec<[[f64; 4]; 4]> = coded
+            .iter()
+            .map(|z| {
+                let own: [f64; 4] = std::array::from_fn(|_| shift * normal(&mut seed));
+                std::array::from_fn(|k| {
+                    let sd = 0.3 * if k == 0 { swings.sqrt() } else { 1.0 };
+                    own.map(|s| 30.0 + 3.0 * z[0] + s + sd * normal(&mut seed))
+                })
+            })
+            .collect();
+        let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
+        let frame = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 0.09));
+        Process::fit(coded, &rows, vec![frame; 4], &[1.0; 40]).unwrap().scatter
+    }
+
+    #[test]
+    fn a_shift_of_all_speeds_and_a_slow_swing_of_one_are_told_apart() {
+        // Forty runs tell a variance to 22 %, four responses together to 11 %.
+        let quiet = scatter(0.0, 1.0, 5);
+        assert!(quiet.shift.iter().all(|s| *s < 0.2), "{quiet:?}");
+        assert!(quiet.swings.iter().all(|s| *s < 1.4), "{quiet:?}");
+        let shifted = scatter(0.6, 1.0, 6);
+        assert!(shifted.shift.iter().all(|s| (0.4..0.8).contains(s)), "{shifted:?}");
+        assert!(shifted.swings.iter().all(|s| *s < 1.6), "{shifted:?}");
+        let swinging = scatter(0.0, 6.0, 7);
+        assert!((4.0..8.0).contains(&swinging.swings[0]), "{swinging:?}");
+        assert!(swinging.swings[1..].iter().all(|s| *s < 1.6), "{swinging:?}");
+        assert!((swinging.frames[0][0][0] / 0.09 - swinging.swings[0]).abs() < 1e-9);
     }
 }

@@ -1,11 +1,13 @@
-//! What the code itself changes: the same drums by Tumble and by LIGGGHTS, nothing missing in either.
+//! What the code itself changes: the same drums by Tumble and by LIGGGHTS, nothing missing in either; and by
+//! Tumble with half the step, and with LIGGGHTS's form of the shear spring (its present stiffness times the whole
+//! displacement).
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Context;
 use close_loop::campaign::Run;
-use close_loop::rig_schema::{Response, Rig};
+use close_loop::rig_schema::{Response, Rig, TangentialLaw};
 
 use super::drums::truth;
 use super::elsewhere;
@@ -47,6 +49,7 @@ pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<(
     let lab = nature_lab(folder, jobs, RESOLUTION)?;
     let mut own = Vec::new();
     let mut fine = Vec::new();
+    let mut whole = Vec::new();
     let mut other = Vec::new();
     let mut speeds = Vec::new();
     for (k, friction) in FRICTIONS.into_iter().enumerate() {
@@ -54,22 +57,29 @@ pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<(
             let number = 100 * k as u64 + filling;
             let rig = drum(friction, number, 1.0)?;
             speeds.clone_from(&rig.run.speeds_rpm);
-            let rigs = [rig, drum(friction, number, 0.5)?];
+            let mut total = rig.clone();
+            total.contact.tangential = TangentialLaw::MindlinTotalSpring;
+            let rigs = [rig, drum(friction, number, 0.5)?, total];
             let runs = lab.run(&rigs, |_| ()).into_iter().collect::<Result<Vec<_>, _>>()?;
-            let [first, half]: [Run; 2] =
-                runs.try_into().map_err(|_| anyhow::anyhow!("two runs were asked for"))?;
+            let [first, half, total]: [Run; 3] =
+                runs.try_into().map_err(|_| anyhow::anyhow!("three runs were asked for"))?;
             let deck = folder.join("codes").join(format!("{friction}-{filling}"));
             let theirs = elsewhere::run(&program, &rigs[0], &deck, INTERVAL_S, RESOLUTION)
                 .with_context(|| format!("friction {friction}, filling {filling}"))?;
             println!("friction {friction}, filling {filling}");
             own.push(first);
             fine.push(half);
+            whole.push(total);
             other.push(theirs);
         }
     }
     crate::write_whole(&folder.join("codes.csv"), &differences(&speeds, &other, &own, fillings))?;
     println!("{}", table("LIGGGHTS less Tumble", &speeds, &difference(&other, &own)));
     println!("{}", table("Half the step less the step", &speeds, &difference(&fine, &own)));
+    let law = "The spring as a whole less what is added step by step";
+    println!("{}", table(law, &speeds, &difference(&whole, &own)));
+    let rest = "LIGGGHTS less Tumble with the spring as a whole";
+    println!("{}", table(rest, &speeds, &difference(&other, &whole)));
     Ok(())
 }
 

@@ -45,12 +45,17 @@ pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyh
             println!("{k}: the drum failed");
             continue;
         };
-        let measured = MeasuredTable::parse("null.csv", &table(&run))?;
+        let text = table(&run);
+        let measured = MeasuredTable::parse("null.csv", &text)?;
         let mut settings = LoopSettings { runs: Some(runs), ..LoopSettings::default() };
         settings.attribution.bootstrap = 299;
         settings.attribution.stability_bootstrap = 0;
         let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
         let finding = looped.find(&mut |_| ())?;
+        // To look into an alarm.
+        std::fs::write(own.join(format!("{k:03}.csv")), &text)?;
+        let detail = serde_json::to_string(&finding)?;
+        std::fs::write(own.join(format!("{k:03}.finding")), detail)?;
         let mut called = Called {
             verdict: format!("{:?}", finding.verdict),
             chi2: finding.gate.chi2,
