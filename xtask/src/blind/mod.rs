@@ -39,6 +39,9 @@ enum Task {
         /// Seed of everything.
         #[arg(long, default_value_t = 2026)]
         seed: u64,
+        /// Only so many drums by Tumble, and half as many by LIGGGHTS.
+        #[arg(long)]
+        most: Option<usize>,
     },
     /// Close the loop on every case, then open the truth.
     Score {
@@ -81,7 +84,7 @@ pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
     match &blind.task {
         Task::Thesis => thesis::run(),
         Task::Codes { fillings } => codes::run(&folder, *fillings, blind.jobs),
-        Task::Make { seed } => make::run(&folder, *seed, blind.jobs),
+        Task::Make { seed, most } => make::run(&folder, *seed, *most, blind.jobs),
         Task::Score { runs, only, json } => {
             score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)
         }
