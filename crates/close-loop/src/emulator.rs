@@ -319,12 +319,10 @@ impl Simulator for Emulator {
     }
 }
 
-/// Coordinates and means of runs.
-fn runs<'s>(
-    axes: &[Axis],
-    origin: &[f64],
-    samples: &'s [Sample],
-) -> Result<(Vec<Vec<f64>>, Vec<&'s [[f64; 4]]>), CalibError> {
+/// Coordinates of runs, and their means by knot.
+type Coded<'s> = (Vec<Vec<f64>>, Vec<&'s [[f64; 4]]>);
+
+fn runs<'s>(axes: &[Axis], origin: &[f64], samples: &'s [Sample]) -> Result<Coded<'s>, CalibError> {
     if samples.len() < 2 {
         return Err(CalibError::TooFewRuns { runs: samples.len(), terms: 1, needed: 2 });
     }
