@@ -270,13 +270,12 @@ impl State<'_> {
     /// simulations scatter by more than theirs show, and where its own show less than those of simulations.
     /// (A bed at the edge of surging may be quiet for as long as somebody looks.)
     fn count_frames_anew(&mut self, base: &Emulator) {
-        let frames = f64::from(self.setup.rig.run.frames);
         let held_out = self.setup.held_out.as_mut();
         for set in std::iter::once(&mut self.setup.observations).chain(held_out) {
             for (item, n) in set.items.iter().zip(&mut set.n_eff) {
-                let simulated = base.variance_of_mean(item.omega_rpm)[item.response.index()];
+                let simulated = base.variance_of_frame(item.omega_rpm)[item.response.index()];
+                let quiet = simulated / (item.sd * item.sd);
                 let swings = base.swings(item.omega_rpm);
-                let quiet = simulated / swings * frames / (item.sd * item.sd);
                 *n /= swings * quiet.max(1.0);
             }
         }
@@ -713,6 +712,7 @@ mod tests {
             at: vec![at],
             mean: vec![std::array::from_fn(|r| 20.0 + 10.0 * at.ln() + r as f64 + up)],
             covariance: vec![noise],
+            variance: vec![[1.5e-3; 4]],
         }
     }
 

@@ -30,6 +30,8 @@ pub struct Sample {
     pub mean: Vec<[f64; 4]>,
     /// Their covariance from the frames.
     pub covariance: Vec<[[f64; 4]; 4]>,
+    /// Variance of one frame, at each knot.
+    pub variance: Vec<[f64; 4]>,
 }
 
 /// A model of the simulator, made of its runs.
@@ -39,6 +41,8 @@ pub struct Emulator {
     origin: Vec<f64>,
     knots: Vec<f64>,
     process: Process,
+    /// Variance of one frame about the point of use, by knot.
+    variance: Vec<[f64; 4]>,
     /// Uncertain knowns that were simulated: change of (knot, response) for one standard deviation.
     modes: Vec<Vec<[f64; 4]>>,
     /// Added to every prediction, with its covariance, by knot.
@@ -82,8 +86,13 @@ impl Emulator {
             std::array::from_fn(|r| std::array::from_fn(|c| of(r, c) / all))
         };
         let frames = (0..knots.len()).map(frames).collect();
+        let of_one = |k: usize| {
+            let each = || samples.iter().zip(&weight);
+            std::array::from_fn(|r| each().map(|(s, w)| w * s.variance[k][r]).sum::<f64>() / all)
+        };
+        let variance = (0..knots.len()).map(of_one).collect();
         let process = Process::fit(coded, &mean, frames, &weight)?;
-        Ok(Self::of(axes, origin, knots, process))
+        Ok(Self { variance, ..Self::of(axes, origin, knots, process) })
     }
 
     /// The same with the scatter that other runs of the same drum have shown.
@@ -101,7 +110,8 @@ impl Emulator {
 
     fn of(axes: Vec<Axis>, origin: Vec<f64>, knots: Vec<f64>, process: Process) -> Self {
         let bias = vec![([0.0; 4], [[0.0; 4]; 4]); knots.len()];
-        Self { axes, origin, knots, process, modes: Vec::new(), bias }
+        let variance = vec![[0.0; 4]; knots.len()];
+        Self { axes, origin, knots, process, variance, modes: Vec::new(), bias }
     }
 
     /// Add what a stand-in is off by: the difference at each knot with its covariance.
@@ -145,9 +155,9 @@ impl Emulator {
         self.linear(omega_rpm, |k| self.process.scatter.swings[k])
     }
 
-    /// Variance of one run's means from its frames and what swings more slowly, at any speed.
-    pub(crate) fn variance_of_mean(&self, omega_rpm: f64) -> [f64; 4] {
-        std::array::from_fn(|r| self.linear(omega_rpm, |k| self.frames()[k][r][r]))
+    /// Variance of one frame at any speed.
+    pub(crate) fn variance_of_frame(&self, omega_rpm: f64) -> [f64; 4] {
+        std::array::from_fn(|r| self.linear(omega_rpm, |k| self.variance[k][r]))
     }
 
     /// Between the knots along a line, constant beyond them.
@@ -269,7 +279,10 @@ impl Emulator {
                 }
                 for (r, row) in block.iter_mut().enumerate() {
                     for own in [&local.shared, &shift] {
-                        row[r] += value(&spline[a], own, r) * value(&spline[b], own, r);
+                        for (s, c) in row.iter_mut().enumerate() {
+                            let both = value(&spline[a], own, r) * value(&spline[b], own, s);
+                            *c += self.process.scatter.together[r][s] * both;
+                        }
                     }
                     for mode in &self.modes {
                         for (s, c) in row.iter_mut().enumerate() {

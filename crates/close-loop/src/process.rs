@@ -38,6 +38,11 @@ const SHIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 const SHIFT: (f64, f64) = (0.3, 1.0);
 /// Least number of runs that tell how they scatter.
 const LEAST_RUNS: f64 = 8.0;
+/// Part of a correlation of shifts that the runs of one loop are sure of.
+const SURE: f64 = 0.9;
+/// Shifts that have nothing to do with each other.
+const ALONE: [[f64; 4]; 4] =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 /// Least variance of a mean, (0.01 deg)^2.
 const FLOOR: f64 = 1e-4;
 
@@ -59,6 +64,9 @@ pub(crate) struct Local {
 pub(crate) struct Scatter {
     /// Standard deviation of a filling's shift of each response, shared by all speeds.
     pub(crate) shift: [f64; 4],
+    /// Correlation of the shifts of two responses: a bed that lies higher has its centre of area higher and both
+    /// angles lower.
+    pub(crate) together: [[f64; 4]; 4],
     /// Variance of a mean over what its frames show, by knot; 1 or more.
     pub(crate) swings: Vec<f64>,
     /// Covariance of a run's means without the shift, by knot: that of its frames times the former.
@@ -125,21 +133,25 @@ impl Process {
         };
         let all: f64 = weight.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| (0..n).map(|i| weight[i] * of(i)).sum::<f64>() / all;
-        let shift = std::array::from_fn(|r| {
-            let (mut products, mut count) = (0.0, 0.0);
+        // Product of the misses of two responses at unlike speeds; with one speed there is nothing to tell
+        // shifts by.
+        let product = |r: usize, s: usize| {
+            let (mut sum, mut count) = (0.0, 0.0f64);
             for k in 0..knots {
-                for l in 0..k {
-                    products += mean(&|i| missed(k, r, i).0 * missed(l, r, i).0);
+                for l in (0..knots).filter(|l| *l != k) {
+                    sum += mean(&|i| missed(k, r, i).0 * missed(l, s, i).0);
                     count += 1.0;
                 }
             }
-            // With one speed there is nothing to tell them apart by; the likelihood was asked on a coarse grid.
+            (count > 0.0).then(|| sum / count)
+        };
+        let shift: [f64; 4] = std::array::from_fn(|r| {
+            // The likelihood was asked on a coarse grid.
             let asked = self.scatter.shift[r];
-            if count == 0.0 {
-                return asked;
-            }
-            (products / count).max(0.0).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked)
+            let seen = product(r, r);
+            seen.map_or(asked, |p| p.max(0.0).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked))
         });
+        let together = correlation(shift, product);
         let swings: Vec<f64> = (0..knots)
             .map(|k| {
                 let (mut sum, mut weights) = (0.0, f64::MIN_POSITIVE);
@@ -150,9 +162,9 @@ impl Process {
                         let (miss, variance) = missed(k, r, i);
                         miss * miss - (variance - noise)
                     });
-                    let shift: f64 = shift[r];
-                    let weight = (frame / (frame + shift * shift)).powi(2);
-                    sum += weight * (seen - shift * shift) / frame;
+                    let shift = shift[r] * shift[r];
+                    let weight = (frame / (frame + shift)).powi(2);
+                    sum += weight * (seen - shift) / frame;
                     weights += weight;
                 }
                 (sum / weights).max(1.0)
@@ -160,7 +172,7 @@ impl Process {
             .collect();
         let of_means = |(f, s): (&[[f64; 4]; 4], &f64)| f.map(|row| row.map(|v| v * s));
         let frames = frames.iter().zip(&swings).map(of_means).collect();
-        Scatter { shift, swings, frames }
+        Scatter { shift, together, swings, frames }
     }
 
     /// With the covariance of a run's means by knot; the shift of fillings is found if it is not given.
@@ -244,7 +256,8 @@ impl Process {
             }
             fitted.push(four.try_into().map_err(|_| fault())?);
         }
-        let scatter = Scatter { shift, swings: vec![1.0; frames.len()], frames };
+        let swings = vec![1.0; frames.len()];
+        let scatter = Scatter { shift, together: ALONE, swings, frames };
         Ok(Self { coded, amplitude, length, scatter, outputs: fitted })
     }
 
@@ -306,6 +319,29 @@ impl Process {
         }
         local
     }
+}
+
+/// Correlations of shifts of these sizes from their products, drawn towards none as far as few runs ask for it.
+fn correlation(shift: [f64; 4], product: impl Fn(usize, usize) -> Option<f64>) -> [[f64; 4]; 4] {
+    let mut all = ALONE;
+    for r in 0..4 {
+        for s in 0..r {
+            let seen = 0.5 * (product(r, s).unwrap_or(0.0) + product(s, r).unwrap_or(0.0));
+            let value = (SURE * seen / (shift[r] * shift[s])).clamp(-SURE, SURE);
+            (all[r][s], all[s][r]) = (value, value);
+        }
+    }
+    // Correlations that are estimated one by one need not go together.
+    for _ in 0..60 {
+        let rest = Mat::from_fn(4, 4, |r, s| all[r][s] - if r == s { 0.02 } else { 0.0 });
+        if rest.llt(Side::Lower).is_ok() {
+            return all;
+        }
+        for (r, row) in all.iter_mut().enumerate() {
+            row.iter_mut().enumerate().filter(|(s, _)| *s != r).for_each(|(_, v)| *v *= 0.9);
+        }
+    }
+    ALONE
 }
 
 /// The quadratic's part and the remainder's, whose amplitude is 1 here.

@@ -152,6 +152,7 @@ pub(crate) fn sample(at: Vec<f64>, run: &Run) -> Sample {
         at,
         mean: run.speeds.iter().map(|s| s.mean).collect(),
         covariance: run.speeds.iter().map(|s| s.covariance).collect(),
+        variance: run.speeds.iter().map(|s| s.sd.map(|sd| sd * sd)).collect(),
     }
 }
 
