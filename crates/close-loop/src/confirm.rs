@@ -383,6 +383,12 @@ fn assumed(
     all.push(format!(
         "The measured drum is one filling of many: from one to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
     ));
+    let swings = state.setup.knots.iter().map(|k| (*k, base.swings(*k)));
+    if let Some((rpm, most)) = swings.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|s| s.1 > 1.05) {
+        all.push(format!(
+            "The bed swings more slowly than frames show: means of runs scatter by up to {most:.1} times the variance that their frames give (at {rpm} rpm), and measured frames count for fewer by as much."
+        ));
+    }
     if state.setup.knots.len() < this.measured.rows.len() {
         all.push(format!(
             "{} of {} speeds were simulated; the others are interpolated by a cubic spline.",
