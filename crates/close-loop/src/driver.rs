@@ -268,15 +268,17 @@ impl State<'_> {
 
     /// What was measured swings as slowly as what is simulated, and as far: its frames count for fewer where
     /// simulations scatter by more than theirs show, and where its own show less than those of simulations.
-    /// (A bed at the edge of surging may be quiet for as long as somebody looks.)
+    /// (A bed at the edge of surging may be quiet for as long as somebody looks.) The few large beads of a coarse
+    /// stand-in scatter more than those of the rig, so that only their slowness counts.
     fn count_frames_anew(&mut self, base: &Emulator) {
+        let coarse = self.setup.cast.everyday.coarse.is_some();
         let held_out = self.setup.held_out.as_mut();
         for set in std::iter::once(&mut self.setup.observations).chain(held_out) {
             for (item, n) in set.items.iter().zip(&mut set.n_eff) {
                 let simulated = base.variance_of_frame(item.omega_rpm)[item.response.index()];
                 let quiet = simulated / (item.sd * item.sd);
                 let swings = base.swings(item.omega_rpm);
-                *n /= swings * quiet.max(1.0);
+                *n /= if coarse { swings } else { swings * quiet.max(1.0) };
             }
         }
     }
