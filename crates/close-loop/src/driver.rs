@@ -605,10 +605,7 @@ impl State<'_> {
         all.extend_from_slice(samples);
         let mut origin = self.middle();
         origin.push(effect.null);
-        let knots = self.setup.knots.clone();
-        let axes = self.effect_axes(effect);
-        let scatter = base.scatter();
-        Ok(self.dress(Emulator::with_scatter(axes, origin, knots, &all, scatter)?))
+        Ok(self.dress(base.of_others(self.effect_axes(effect), origin, &all)?))
     }
 
     /// Every effect of the catalogue whose model can be made.

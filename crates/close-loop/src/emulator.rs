@@ -79,39 +79,35 @@ impl Emulator {
             None => vec![1.0; samples.len()],
         };
         let all: f64 = weight.iter().sum();
-        let frames = |k: usize| {
-            let each = || samples.iter().zip(&weight);
-            let of =
-                |r: usize, c: usize| each().map(|(s, w)| w * s.covariance[k][r][c]).sum::<f64>();
-            std::array::from_fn(|r| std::array::from_fn(|c| of(r, c) / all))
+        let about = |of: &dyn Fn(&Sample) -> f64| {
+            samples.iter().zip(&weight).map(|(s, w)| w * of(s)).sum::<f64>() / all
         };
-        let frames = (0..knots.len()).map(frames).collect();
-        let of_one = |k: usize| {
-            let each = || samples.iter().zip(&weight);
-            std::array::from_fn(|r| each().map(|(s, w)| w * s.variance[k][r]).sum::<f64>() / all)
-        };
-        let variance = (0..knots.len()).map(of_one).collect();
+        let frames = (0..knots.len())
+            .map(|k| {
+                let of = |r: usize, c: usize| about(&|s| s.covariance[k][r][c]);
+                std::array::from_fn(|r| std::array::from_fn(|c| of(r, c)))
+            })
+            .collect();
+        let variance = (0..knots.len())
+            .map(|k| std::array::from_fn(|r| about(&|s| s.variance[k][r])))
+            .collect();
         let process = Process::fit(coded, &mean, frames, &weight)?;
-        Ok(Self { variance, ..Self::of(axes, origin, knots, process) })
+        let bias = vec![([0.0; 4], [[0.0; 4]; 4]); knots.len()];
+        Ok(Self { axes, origin, knots, process, variance, modes: Vec::new(), bias })
     }
 
-    /// The same with the scatter that other runs of the same drum have shown.
-    pub(crate) fn with_scatter(
+    /// The same for other runs at this model's knots, which scatter as those of this one do.
+    pub(crate) fn of_others(
+        &self,
         axes: Vec<Axis>,
         origin: Vec<f64>,
-        knots: Vec<f64>,
         samples: &[Sample],
-        scatter: &Scatter,
     ) -> Result<Self, CalibError> {
         let (coded, mean) = runs(&axes, &origin, samples)?;
-        let process = Process::with_scatter(coded, &mean, scatter)?;
-        Ok(Self::of(axes, origin, knots, process))
-    }
-
-    fn of(axes: Vec<Axis>, origin: Vec<f64>, knots: Vec<f64>, process: Process) -> Self {
+        let process = Process::with_scatter(coded, &mean, &self.process.scatter)?;
+        let (knots, variance) = (self.knots.clone(), self.variance.clone());
         let bias = vec![([0.0; 4], [[0.0; 4]; 4]); knots.len()];
-        let variance = vec![[0.0; 4]; knots.len()];
-        Self { axes, origin, knots, process, variance, modes: Vec::new(), bias }
+        Ok(Self { axes, origin, knots, process, variance, modes: Vec::new(), bias })
     }
 
     /// Add what a stand-in is off by: the difference at each knot with its covariance.

@@ -56,9 +56,7 @@ impl State<'_> {
         axes.extend(self.effect_axes(b).pop());
         let mut origin = self.middle();
         origin.extend([a.null, b.null]);
-        let knots = self.setup.knots.clone();
-        let model = Emulator::with_scatter(axes, origin, knots, &all, base.scatter())?;
-        Ok(self.dress(model))
+        Ok(self.dress(base.of_others(axes, origin, &all)?))
     }
 
     /// Simulate pairs at their best points, the most promising first, with at most `most` runs.
