@@ -5,6 +5,9 @@
 //! since a wall style of LAMMPS knows one material alone. The angle of the regions goes on without a jump from
 //! speed to speed: LAMMPS takes the wall's velocity from its change.
 //!
+//! Damping is `coeff_restitution` (2024 and later): `tsuji` rebounds with 0.70 where 0.6 is asked for, since its
+//! polynomial was made for the mass of a sphere and is given half of it.
+//!
 //! LAMMPS has no constant rolling torque. It is written as its spring-dashpot-slider with the same limit, `mu_r R N`,
 //! and a spring that reaches the limit of ten weights within a thousandth of a radius.
 
@@ -36,10 +39,12 @@ fn coefficients(scene: &Scene, drum: &Experiment, which: usize) -> String {
     };
     let limit = if scene.tail { "" } else { " limit_damping" };
     format!(
-        "hertz {} {} tangential mindlin_rescale/force {} 1.0 {} rolling {roll} damping tsuji{limit}",
+        "hertz {} {} tangential mindlin_rescale/force {} {} {} rolling {roll} damping coeff_restitution{limit}",
         4.0 / 3.0 * e_star,
-        scene.restitution.all()[which],
+        scene.damped.all()[which],
         8.0 * g_star,
+        // Tangential damping over normal damping: the root of the ratio of the tangents' stiffnesses.
+        (4.0 * g_star / e_star).sqrt(),
         scene.friction.all()[which],
     )
 }

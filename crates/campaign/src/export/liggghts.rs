@@ -1,7 +1,8 @@
 //! The deck for LIGGGHTS-PUBLIC 3.8.
 //!
 //! The mantle is a primitive cylinder: `shear` turns it about its own axis only if the direction named
-//! is not that axis, and the number is then rad/s. End plates are meshes of two triangles each, since
+//! is not that axis, and the number is then rad/s. It gives the wall the velocity of the bead's centre, which lies a
+//! radius nearer to the axis, so that a rate is asked for at which the mean bead meets the mantle's own velocity. End plates are meshes of two triangles each, since
 //! primitive planes can only slide; `surface_ang_vel` turns the surface and leaves the triangles where
 //! they are. A change of speed declares the walls anew, which drops the tangential springs at them:
 //! they are loaded again within a bead's slip, long before the first frame.
@@ -59,7 +60,7 @@ fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
     };
     s.push_str(&types("youngsModulus", scene.elastic.map(|e| e.young)));
     s.push_str(&types("poissonsRatio", scene.elastic.map(|e| e.poisson)));
-    s.push_str(&pairs("coefficientRestitution", &scene.restitution));
+    s.push_str(&pairs("coefficientRestitution", &scene.damped));
     s.push_str(&pairs("coefficientFriction", &scene.friction));
     if scene.rolls {
         s.push_str(&pairs("coefficientRollingFriction", &scene.rolling));
@@ -78,7 +79,7 @@ fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
     s.push_str(&gravity(scene.settling_gravity));
     let drag = mass * scene.settling_drag();
     s.push_str(&format!("fix drag all viscous {drag}\n"));
-    s.push_str(&walls(scene, &model, limit, 0.0));
+    s.push_str(&walls(scene, &model, limit, 0.0, 0.5 * diameter));
     s.push_str(&format!("run {}\n", plan.settling));
     for (k, stage) in plan.stages.iter().enumerate() {
         s.push_str(&format!("\n# {} rpm\n", stage.speed_rpm));
@@ -86,7 +87,7 @@ fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
             s.push_str(&format!("unfix gravity\n{}", gravity(scene.gravity)));
         }
         s.push_str(&unwall(scene));
-        s.push_str(&walls(scene, &model, limit, stage.omega));
+        s.push_str(&walls(scene, &model, limit, stage.omega, 0.5 * diameter));
         let dump = dump_name(stage.speed_rpm);
         s.push_str(&format!("shell rm -f {dump}\n"));
         for (steps, mark) in stage.marks() {
@@ -117,10 +118,11 @@ fn gravity(g: drum_rig::dem_core::glam::DVec3) -> String {
     format!("fix gravity all gravity {size} vector {} {} {}\n", d.x, d.y, d.z)
 }
 
-/// The walls, turning at `omega` rad/s.
-fn walls(scene: &Scene, model: &str, limit: &str, omega: f64) -> String {
+/// The walls, turning at `omega` rad/s, for beads of this radius.
+fn walls(scene: &Scene, model: &str, limit: &str, omega: f64, bead: f64) -> String {
+    let at_centre = omega * scene.radius / (scene.radius - bead);
     let mut s = format!(
-        "fix mantle all wall/gran {model} primitive type 2 zcylinder {} 0. 0. shear x {omega}{limit}\n",
+        "fix mantle all wall/gran {model} primitive type 2 zcylinder {} 0. 0. shear x {at_centre}{limit}\n",
         scene.radius
     );
     if scene.ends == Ends::Periodic {

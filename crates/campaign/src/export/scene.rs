@@ -1,5 +1,7 @@
 //! A rig as other codes see it: what they know of it, in their terms.
 
+use drum_rig::dem_core::contact::normal::AttractiveTail;
+use drum_rig::dem_core::contact::normal::restitution::{damping_ratio, restitution_of};
 use drum_rig::dem_core::glam::{DQuat, DVec3};
 use drum_rig::{Experiment, GRAVITY};
 use rig_schema::{Cohesion, Ends, NormalLaw, Rig, RollingLaw, Shape, TangentialLaw, namespace};
@@ -41,6 +43,32 @@ impl Elastic {
     }
 }
 
+/// Least restitution that LIGGGHTS takes.
+const LEAST_RESTITUTION: f64 = 0.05;
+
+impl PerPair {
+    /// The restitution that damping which may pull would give where that of a rig gives these.
+    fn with_tail(&self, tail: bool, code: Code) -> Result<Self, CampaignError> {
+        if tail || code == Code::Yade {
+            return Ok(*self);
+        }
+        let one = |e: f64| {
+            let ratio = damping_ratio(e, AttractiveTail::Cut).map_err(drum_rig::Error::from)?;
+            let kept = restitution_of(ratio, AttractiveTail::Kept);
+            if kept < LEAST_RESTITUTION {
+                return Err(CampaignError::NotExported {
+                    code: code.name(),
+                    what: format!("a restitution of {e} by damping that never pulls"),
+                    expected: "0.22 or more, or contact.attractive_tail = true",
+                });
+            }
+            Ok(kept)
+        };
+        let (pp, mantle, end_plate) = (one(self.pp)?, one(self.mantle)?, one(self.end_plate)?);
+        Ok(Self { pp, mantle, end_plate })
+    }
+}
+
 /// What a deck is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scene {
@@ -56,6 +84,9 @@ pub(super) struct Scene {
     pub(super) rolls: bool,
     /// Cohesion energy density, J/m3; `None` without cohesion.
     pub(super) cohesion: Option<PerPair>,
+    /// Restitution that a code whose formula knows damping that pulls is asked for, so that it damps as the
+    /// rig does: where damping may not pull, beads leave each other sooner and rebound faster.
+    pub(super) damped: PerPair,
     /// Whether damping may pull.
     pub(super) tail: bool,
     /// Gravity, m/s2, and while the bed settles.
@@ -101,6 +132,8 @@ impl Scene {
         } else {
             None
         };
+        let restitution = pair("restitution.pp", "restitution.mantle", "restitution.end_plate")?;
+        let damped = restitution.with_tail(rig.contact.attractive_tail, code)?;
         let lean = value("axis.inclination_deg")?.to_radians();
         let gravity = -GRAVITY * DVec3::new(0.0, lean.cos(), lean.sin());
         let tilt = DQuat::from_rotation_z(SETTLING_TILT_DEG.to_radians());
@@ -116,9 +149,10 @@ impl Scene {
             ],
             friction,
             rolling,
-            restitution: pair("restitution.pp", "restitution.mantle", "restitution.end_plate")?,
+            restitution,
             rolls,
             cohesion,
+            damped,
             tail: rig.contact.attractive_tail,
             gravity,
             settling_gravity: tilt * gravity,

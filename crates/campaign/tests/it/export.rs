@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use campaign::CampaignError;
+use campaign::drum_rig::dem_core::contact::normal::AttractiveTail;
+use campaign::drum_rig::dem_core::contact::normal::restitution::{damping_ratio, restitution_of};
 use campaign::drum_rig::{Experiment, Flow, Options};
 use campaign::export::{Code, Schedule, deck, dump_name, positions};
 use campaign::rig_schema::Rig;
@@ -208,6 +210,49 @@ fn yade_runs_a_few_beads_between_plates_and_periodic_ends() {
     println!("YADE, periodic ends: {:?} degrees", plausible(&all, &endless, 3));
 }
 
+/// Radius of a sphere of the mean bead's volume, m.
+fn mean_radius(rig: &Rig) -> f64 {
+    let drum = Experiment::new(rig, &Options::default()).expect("is built");
+    drum.grains().equivalent_radius()
+}
+
+/// Numbers of the line of a deck that begins like this.
+fn numbers(deck: &str, begin: &str) -> Vec<f64> {
+    let line = deck.lines().find(|l| l.starts_with(begin)).expect("is there");
+    line.split_whitespace().filter_map(|w| w.parse().ok()).collect()
+}
+
+#[test]
+fn decks_ask_for_the_damping_and_the_wall_of_the_rig() {
+    let own = rig(BEADS);
+    let liggghts = &deck(&own, Code::Liggghts, &quick()).expect("is a deck")[0].text;
+    let asked = numbers(liggghts, "fix coefficientRestitution");
+    // Two beads in LAMMPS 20250722: `limit_damping` makes 0.6316 of 0.6, as the closed form says.
+    for (asked, rebound) in [(asked[1], 0.7), (asked[2], 0.6), (asked[3], 0.8)] {
+        let ratio = damping_ratio(asked, AttractiveTail::Kept).expect("a restitution");
+        assert!((restitution_of(ratio, AttractiveTail::Cut) - rebound).abs() < 1e-6, "{asked}");
+        assert!(asked < rebound - 0.005);
+    }
+    let lammps = &deck(&own, Code::Lammps, &quick()).expect("is a deck")[0].text;
+    let pair = numbers(lammps, "pair_coeff");
+    assert!((pair[1] - asked[1]).abs() < 1e-9, "{pair:?}");
+    // Nu = 0.29 of both: 4 G*/E* = 2 (1 - nu) / (2 - nu).
+    assert!((pair[3] - (1.42_f64 / 1.71).sqrt()).abs() < 1e-9, "{pair:?}");
+    // At 30 rpm a bead of 2 mm at the mantle of 30 mm: its centre, at 28 mm, is given the velocity of 30 mm.
+    let line = liggghts.lines().filter(|l| l.starts_with("fix mantle")).nth(1).expect("is there");
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let rate: f64 = words[words.len() - 3].parse().expect("a rate");
+    let bead = mean_radius(&own);
+    assert!((rate * (0.03 - bead) / (0.03 * std::f64::consts::PI) - 1.0).abs() < 1e-9, "{line}");
+    // With a tail the number is the rig's own.
+    let kept = with("run =", "contact.attractive_tail = true\nrun =");
+    let text = &deck(&kept, Code::Liggghts, &quick()).expect("is a deck")[0].text;
+    assert_eq!(numbers(text, "fix coefficientRestitution")[1..4], [0.7, 0.6, 0.8]);
+    let dull = with("restitution = { pp = 0.7", "restitution = { pp = 0.1");
+    let error = deck(&dull, Code::Liggghts, &quick()).expect_err("damps too much").to_string();
+    assert!(error.contains("0.1") && error.contains("attractive_tail"), "{error}");
+}
+
 #[test]
 fn the_deck_for_yade_has_own_values_for_each_wall() {
     let files = deck(&rig(BEADS), Code::Yade, &quick()).expect("is a deck");
@@ -253,7 +298,8 @@ fn friction_of_each_wall_stands_at_its_own_place() {
         let word = fast.split_once(mark).expect("is there").1.split_whitespace().next();
         word.expect("a word").parse().expect("a number")
     };
-    assert!((after("shear x ") / std::f64::consts::TAU - 1.0).abs() < 1e-12);
+    let at_centre = 0.03 / (0.03 - mean_radius(&rig(BEADS)));
+    assert!((after("shear x ") / (std::f64::consts::TAU * at_centre) - 1.0).abs() < 1e-12);
     assert!((after("axis 0. 0. 1. omega ") / std::f64::consts::TAU - 1.0).abs() < 1e-12);
     let files = deck(&rig(BEADS), Code::Lammps, &quick()).expect("is a deck");
     let text = &files[0].text;
@@ -261,7 +307,7 @@ fn friction_of_each_wall_stands_at_its_own_place() {
         let line = text.lines().find(|l| l.starts_with(&format!("fix {fix} "))).expect("the fix");
         line.to_owned()
     };
-    assert!(of("mantle").contains(" 1.0 0.6 rolling") && of("near").contains(" 1.0 0.2 rolling"));
+    assert!(of("mantle").contains(" 0.6 rolling") && of("near").contains(" 0.2 rolling"));
     // 4/3 E* of a glass bead on glass: E/(1 - nu^2)/2 each.
     let young = 2.0 * 1.29 * 2.52e5;
     let k = 4.0 / 3.0 * young / (1.0 - 0.29 * 0.29) / 2.0;
