@@ -41,7 +41,7 @@ fn coefficients(scene: &Scene, drum: &Experiment, which: usize) -> String {
     format!(
         "hertz {} {} tangential mindlin_rescale/force {} {} {} rolling {roll} damping coeff_restitution{limit}",
         4.0 / 3.0 * e_star,
-        scene.damped.all()[which],
+        scene.restitution.all()[which],
         8.0 * g_star,
         // Tangential damping over normal damping: the root of the ratio of the tangents' stiffnesses.
         (4.0 * g_star / e_star).sqrt(),

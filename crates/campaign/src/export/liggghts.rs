@@ -1,11 +1,12 @@
 //! The deck for LIGGGHTS-PUBLIC 3.8.
 //!
 //! The mantle is a primitive cylinder: `shear` turns it about its own axis only if the direction named
-//! is not that axis, and the number is then rad/s. It gives the wall the velocity of the bead's centre, which lies a
-//! radius nearer to the axis, so that a rate is asked for at which the mean bead meets the mantle's own velocity. End plates are meshes of two triangles each, since
-//! primitive planes can only slide; `surface_ang_vel` turns the surface and leaves the triangles where
-//! they are. A change of speed declares the walls anew, which drops the tangential springs at them:
-//! they are loaded again within a bead's slip, long before the first frame.
+//! is not that axis, and the number is then rad/s. It gives the wall the velocity of the bead's centre,
+//! a radius nearer to the axis, so the rate is one at which the mean bead meets the mantle's own velocity.
+//! End plates are meshes of two triangles each, since primitive planes can only slide; `surface_ang_vel`
+//! turns the surface and leaves the triangles where they are. A change of speed declares the walls anew,
+//! which drops the tangential springs at them: they are loaded again within a bead's slip, long before
+//! the first frame.
 
 use drum_rig::Experiment;
 use rig_schema::Ends;
@@ -32,7 +33,7 @@ pub(super) fn files(scene: &Scene, drum: &Experiment, plan: &Stages) -> Vec<Deck
 
 fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
     let grains = drum.grains();
-    let diameter = 2.0 * grains.equivalent_radius();
+    let bead = grains.equivalent_radius();
     let mass = grains.total_mass() / grains.len() as f64;
     let model = model(scene);
     let along = if scene.ends == Ends::Periodic { "p" } else { "f" };
@@ -45,7 +46,7 @@ fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
          read_data start.data\nneighbor {} bin\nneigh_modify delay 0 every 1 check yes\n\n",
         scene.name,
         env!("CARGO_PKG_VERSION"),
-        0.2 * diameter
+        0.4 * bead
     );
     let types = |name: &str, values: [f64; 3]| {
         let [a, b, c] = values;
@@ -60,7 +61,7 @@ fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
     };
     s.push_str(&types("youngsModulus", scene.elastic.map(|e| e.young)));
     s.push_str(&types("poissonsRatio", scene.elastic.map(|e| e.poisson)));
-    s.push_str(&pairs("coefficientRestitution", &scene.damped));
+    s.push_str(&pairs("coefficientRestitution", &scene.restitution));
     s.push_str(&pairs("coefficientFriction", &scene.friction));
     if scene.rolls {
         s.push_str(&pairs("coefficientRollingFriction", &scene.rolling));
@@ -79,7 +80,7 @@ fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
     s.push_str(&gravity(scene.settling_gravity));
     let drag = mass * scene.settling_drag();
     s.push_str(&format!("fix drag all viscous {drag}\n"));
-    s.push_str(&walls(scene, &model, limit, 0.0, 0.5 * diameter));
+    s.push_str(&walls(scene, &model, limit, 0.0, bead));
     s.push_str(&format!("run {}\n", plan.settling));
     for (k, stage) in plan.stages.iter().enumerate() {
         s.push_str(&format!("\n# {} rpm\n", stage.speed_rpm));
@@ -87,7 +88,7 @@ fn script(scene: &Scene, drum: &Experiment, plan: &Stages) -> String {
             s.push_str(&format!("unfix gravity\n{}", gravity(scene.gravity)));
         }
         s.push_str(&unwall(scene));
-        s.push_str(&walls(scene, &model, limit, stage.omega, 0.5 * diameter));
+        s.push_str(&walls(scene, &model, limit, stage.omega, bead));
         let dump = dump_name(stage.speed_rpm);
         s.push_str(&format!("shell rm -f {dump}\n"));
         for (steps, mark) in stage.marks() {

@@ -43,12 +43,14 @@ impl Elastic {
     }
 }
 
-/// Least restitution that LIGGGHTS takes.
+/// Least restitution that LIGGGHTS takes; LAMMPS is held to the same.
 const LEAST_RESTITUTION: f64 = 0.05;
 
 impl PerPair {
-    /// The restitution that damping which may pull would give where that of a rig gives these.
-    fn with_tail(&self, tail: bool, code: Code) -> Result<Self, CampaignError> {
+    /// The restitution that a code is asked for where a rig has these. LIGGGHTS and LAMMPS work out their damping
+    /// as if it could pull; where it may not, beads leave each other sooner and rebound faster. YADE's own formula
+    /// knows that.
+    fn asked_of(&self, code: Code, tail: bool) -> Result<Self, CampaignError> {
         if tail || code == Code::Yade {
             return Ok(*self);
         }
@@ -80,13 +82,11 @@ pub(super) struct Scene {
     pub(super) elastic: [Elastic; 3],
     pub(super) friction: PerPair,
     pub(super) rolling: PerPair,
+    /// What the code is asked for, so that it damps as the rig does.
     pub(super) restitution: PerPair,
     pub(super) rolls: bool,
     /// Cohesion energy density, J/m3; `None` without cohesion.
     pub(super) cohesion: Option<PerPair>,
-    /// Restitution that a code whose formula knows damping that pulls is asked for, so that it damps as the
-    /// rig does: where damping may not pull, beads leave each other sooner and rebound faster.
-    pub(super) damped: PerPair,
     /// Whether damping may pull.
     pub(super) tail: bool,
     /// Gravity, m/s2, and while the bed settles.
@@ -133,7 +133,6 @@ impl Scene {
             None
         };
         let restitution = pair("restitution.pp", "restitution.mantle", "restitution.end_plate")?;
-        let damped = restitution.with_tail(rig.contact.attractive_tail, code)?;
         let lean = value("axis.inclination_deg")?.to_radians();
         let gravity = -GRAVITY * DVec3::new(0.0, lean.cos(), lean.sin());
         let tilt = DQuat::from_rotation_z(SETTLING_TILT_DEG.to_radians());
@@ -149,10 +148,9 @@ impl Scene {
             ],
             friction,
             rolling,
-            restitution,
+            restitution: restitution.asked_of(code, rig.contact.attractive_tail)?,
             rolls,
             cohesion,
-            damped,
             tail: rig.contact.attractive_tail,
             gravity,
             settling_gravity: tilt * gravity,

@@ -227,7 +227,7 @@ fn decks_ask_for_the_damping_and_the_wall_of_the_rig() {
     let own = rig(BEADS);
     let liggghts = &deck(&own, Code::Liggghts, &quick()).expect("is a deck")[0].text;
     let asked = numbers(liggghts, "fix coefficientRestitution");
-    // Two beads in LAMMPS 20250722: `limit_damping` makes 0.6316 of 0.6, as the closed form says.
+    // Two beads in LAMMPS 20250722: `limit_damping` makes 0.6323 of 0.6, as the closed form says.
     for (asked, rebound) in [(asked[1], 0.7), (asked[2], 0.6), (asked[3], 0.8)] {
         let ratio = damping_ratio(asked, AttractiveTail::Kept).expect("a restitution");
         assert!((restitution_of(ratio, AttractiveTail::Cut) - rebound).abs() < 1e-6, "{asked}");
@@ -308,6 +308,21 @@ fn friction_of_each_wall_stands_at_its_own_place() {
         line.to_owned()
     };
     assert!(of("mantle").contains(" 0.6 rolling") && of("near").contains(" 0.2 rolling"));
+    // Compliances of a glass bead and of a wall of these constants, Pa^-1: for each, tangential over normal damping.
+    let plane = |g: f64, nu: f64| (1.0 - nu) / (2.0 * g);
+    let shear = |g: f64, nu: f64| (2.0 - nu) / g;
+    let ratio = |g: f64, nu: f64| {
+        let glass = (2.52e5, 0.29);
+        let (plane, shear) =
+            (plane(glass.0, glass.1) + plane(g, nu), shear(glass.0, glass.1) + shear(g, nu));
+        (4.0 * plane / shear).sqrt()
+    };
+    for (wall, ratio) in [("mantle", ratio(8e6, 0.265)), ("near", ratio(2.52e5, 0.29))] {
+        let law = of(wall);
+        let force = law.split_once("mindlin_rescale/force ").expect("a law").1;
+        let written: f64 = force.split(' ').nth(1).expect("a ratio").parse().expect("a number");
+        assert!((written / ratio - 1.0).abs() < 1e-12, "{law}: {ratio}");
+    }
     // 4/3 E* of a glass bead on glass: E/(1 - nu^2)/2 each.
     let young = 2.0 * 1.29 * 2.52e5;
     let k = 4.0 / 3.0 * young / (1.0 - 0.29 * 0.29) / 2.0;
