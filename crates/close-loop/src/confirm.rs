@@ -33,8 +33,8 @@ pub(crate) struct Fresh {
     side: Side,
     /// Prediction and standard deviation at fitted, then held-out observations.
     points: Values,
-    /// The runs, for the models to learn from if they are refuted.
-    samples: Vec<Sample>,
+    /// The runs, for the models to learn from if they are refuted: of the whole rig where a stand-in is simulated otherwise.
+    pub(crate) samples: Vec<Sample>,
 }
 
 /// What fresh runs of one effect or of two have shown: paths, runs.
@@ -61,7 +61,7 @@ pub(crate) fn outcome(
         state.before = fresh(state, &base, &finding.base.theta, &[], 0, watch)?;
     }
     let Some(before) = state.before.clone() else {
-        let asked = state.effort.confirm;
+        let asked = state.fillings();
         let first = state.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
         return Err(CloseLoopError::Base { failed: asked, asked, first });
     };
@@ -163,10 +163,8 @@ pub(crate) fn outcome(
 
 /// What the stand-in was shifted by.
 fn off_by(state: &State<'_>, base: &Emulator) -> Vec<SpeedResponse> {
-    if state.bias.is_none() {
-        return Vec::new();
-    }
-    let each = state.setup.knots.iter().zip(base.bias());
+    let off = base.off(&state.theta).shift;
+    let each = state.setup.knots.iter().zip(&off);
     each.flat_map(|(omega, (mean, covariance))| {
         Response::ALL.map(|response| {
             let r = response.index();
@@ -196,7 +194,7 @@ fn effects_at(state: &State<'_>, names: &[String], strengths: &[f64]) -> Vec<(Ef
 
 /// Run a model with fillings that no fit has seen, and compare it with the data; `None` if none of its
 /// drums could be simulated.
-fn fresh(
+pub(crate) fn fresh(
     state: &mut State<'_>,
     base: &Emulator,
     theta: &[f64],
@@ -207,7 +205,7 @@ fn fresh(
     let mut rig = state.setup.rig.clone();
     rig.run.speeds_rpm = state.setup.speeds_of_fresh_runs();
     let mut rigs = Vec::new();
-    for k in 0..state.effort.confirm {
+    for k in 0..state.fillings() {
         let filling = state.runs.filling(Stage::Confirm, ROUND * round + k);
         let (named, with) = rig_with_all(&rig, &state.setup.axes, theta, effects, filling)?;
         let label = if effects.is_empty() { "the calibrated model".to_owned() } else { named };
@@ -226,11 +224,7 @@ fn fresh(
     let at = base.frames().iter().enumerate();
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
-    let mut local = Local { at: at.collect(), shared };
-    let cast = state.setup.cast;
-    if !cast.confirm_whole {
-        base.shift_by_bias(&mut local);
-    }
+    let local = Local { at: at.collect(), shared, unsure: Vec::new() };
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let mut distinct: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
@@ -300,19 +294,14 @@ fn fresh(
         p: chi_square_p(chi2, dof),
         p_all,
     };
-    let bias = (!cast.confirm_whole).then(|| base.bias());
-    let predictions = predictions(&asked, &state.setup, base, bias, &nuisance);
+    let predictions = predictions(&asked, &state.setup, base, &nuisance);
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));
     let effect = (!effects.is_empty())
         .then(|| effects.iter().map(|(e, _)| e.path.clone()).collect::<Vec<_>>().join(" + "));
     let at: Vec<f64> = theta.iter().copied().chain(effects.iter().map(|(_, s)| *s)).collect();
-    let mut samples: Vec<Sample> = runs.iter().map(|run| sample(at.clone(), run)).collect();
-    if cast.confirm_whole {
-        // Models are of stand-ins, and are shifted afterwards.
-        samples.iter_mut().for_each(|s| base.take_off_bias(s));
-    }
+    let samples = runs.iter().map(|run| sample(at.clone(), run)).collect();
     let side = Side { effect, at: named, fillings: runs.len(), errors, predictions };
     Ok(Some(Fresh { side, points, samples }))
 }

@@ -7,11 +7,12 @@ use calib::{CalibError, Problem};
 use campaign::Laboratory;
 use rig_schema::{Case, MeasuredTable, Rig};
 
+use crate::anchors::Whole;
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model, decode};
 use crate::confirm::{self, Fresh};
 use crate::curve::{Change, Curve};
-use crate::emulator::{Axis, Emulator, Sample, Shift};
+use crate::emulator::{Axis, Emulator, Sample};
 use crate::error::CloseLoopError;
 use crate::outcome::Outcome;
 use crate::plan::{Effort, LoopSettings, Setup};
@@ -80,6 +81,9 @@ pub struct CloseLoop<'a> {
 /// How often an answer that fresh runs refute is given up for another.
 const RETRIES: usize = 5;
 
+/// The same where every fresh run is of a rig whose cost a stand-in had to save.
+const FEW_RETRIES: usize = 3;
+
 /// Spacing of the points at which runs are made, coded units.
 pub(crate) const GRID: f64 = 0.5;
 
@@ -96,9 +100,8 @@ pub(crate) struct State<'a> {
     pub(crate) lost: BTreeMap<Vec<String>, Vec<Vec<f64>>>,
     curves: BTreeMap<String, Change>,
     pub(crate) theta: Vec<f64>,
-    pub(crate) bias: Option<Vec<Shift>>,
     /// Runs of the whole rig that its stand-in is compared with.
-    anchors: Vec<Sample>,
+    pub(crate) wholes: Vec<Whole>,
     modes: Vec<Vec<[f64; 4]>>,
     /// The base model by fresh runs, which every answer is compared with.
     pub(crate) before: Option<Fresh>,
@@ -113,9 +116,9 @@ impl CloseLoop<'_> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
         let middle = setup.middle()?;
         let rig = setup.cast.everyday.of(&middle)?;
-        let anchors = setup.cast.anchored();
+        let runs = setup.cast.whole_runs();
         let whole = setup.cast.whole.map(|w| w.of(&middle)).transpose()?;
-        Ok(Pilot { rig, whole: whole.map(|w| (w, anchors)) })
+        Ok(Pilot { rig, whole: whole.map(|w| (w, runs)) })
     }
 
     /// Runs of the plan, at most.
@@ -125,7 +128,7 @@ impl CloseLoop<'_> {
     pub fn planned(&self) -> Result<usize, CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
         let effects = simulated_effects(&setup);
-        Ok(Effort::of(self.settings.runs, setup.free.len(), effects)?.total(effects))
+        Ok(setup.effort(self.settings.runs, effects)?.total(effects))
     }
 
     /// Close the loop. What is simulated is kept in the laboratory: a second call goes through the
@@ -135,13 +138,18 @@ impl CloseLoop<'_> {
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
         let (mut state, mut finding) = self.stages(watch)?;
+        if finding.verdict != Verdict::None && state.setup.cast.fresh.is_some() {
+            finding = self.ask_the_whole_rig(&mut state, &finding, watch)?;
+        }
         let mut round = 0;
         loop {
             let (mut outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
             // Fresh runs that refute an answer are the best that its model can learn from.
             let spare = self.spare(&state, 2);
             let learns = learned.iter().any(|l| state.can_learn(l));
-            if outcome.confirmed != Some(false) || round == RETRIES || !learns || spare == 0 {
+            let tired =
+                round == if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
+            if outcome.confirmed != Some(false) || tired || !learns || spare == 0 {
                 outcome.refuted = round;
                 return Ok(outcome);
             }
@@ -149,6 +157,26 @@ impl CloseLoop<'_> {
             round += 1;
             finding = self.sharpen(&mut state, (2, 2), &self.settings.attribution, watch)?;
         }
+    }
+
+    /// What a stand-in seems to lack may be the stand-in's: run the whole rig at the best base point, shift the stand-in by
+    /// what it is off there, and ask again.
+    fn ask_the_whole_rig(
+        &self,
+        state: &mut State<'_>,
+        finding: &Finding,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<Finding, CloseLoopError> {
+        let base = state.base_model()?;
+        state.before = confirm::fresh(state, &base, &finding.base.theta, &[], 0, watch)?;
+        let samples = state.before.as_ref().map_or_else(Vec::new, |b| b.samples.clone());
+        state.learn(vec![(Vec::new(), samples)]);
+        state.theta = state.best()?;
+        let again = state.attribute(&self.settings.attribution)?;
+        if again.verdict == Verdict::None {
+            return Ok(again);
+        }
+        self.sharpen(state, (2, 2), &self.settings.attribution, watch)
     }
 
     /// Simulate what little is known of, single effects and then, where none will do, pairs, and ask again.
@@ -175,7 +203,7 @@ impl CloseLoop<'_> {
 
     /// Runs that can be spent on refining if so many models are to be confirmed after it.
     fn spare(&self, state: &State<'_>, models: usize) -> usize {
-        let kept = state.runs.made + models * state.effort.confirm;
+        let kept = state.runs.everyday + models * state.effort.confirm;
         match self.settings.runs {
             Some(most) => most.saturating_sub(kept),
             None => state.effort.refine * state.effort.short_list,
@@ -192,7 +220,7 @@ impl CloseLoop<'_> {
 
     fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
-        let effort = Effort::of(self.settings.runs, setup.free.len(), simulated_effects(&setup))?;
+        let effort = setup.effort(self.settings.runs, simulated_effects(&setup))?;
         let runs = Runs::new(self.lab, setup.cast, self.settings.seed);
         let mut state = State {
             setup,
@@ -204,8 +232,7 @@ impl CloseLoop<'_> {
             lost: BTreeMap::new(),
             curves: BTreeMap::new(),
             theta: Vec::new(),
-            bias: None,
-            anchors: Vec::new(),
+            wholes: Vec::new(),
             modes: Vec::new(),
             before: None,
         };
@@ -236,6 +263,11 @@ pub(crate) fn is_simulated(effect: &Effect) -> bool {
 }
 
 impl State<'_> {
+    /// Fillings of each model that fresh runs go through.
+    pub(crate) fn fillings(&self) -> usize {
+        self.setup.cast.fresh.unwrap_or(self.effort.confirm)
+    }
+
     /// Find the free parameters at which the base model meets the data best.
     fn calibrate(&mut self, watch: &mut dyn FnMut(&Told)) -> Result<(), CloseLoopError> {
         let low: Vec<f64> = self.setup.free.iter().map(|f| f.range.0).collect();
@@ -346,11 +378,7 @@ impl State<'_> {
     }
 
     pub(crate) fn dress(&self, model: Emulator) -> Emulator {
-        let model = model.with_modes(self.modes.clone());
-        match &self.bias {
-            Some(bias) => model.with_bias(bias.clone()),
-            None => model,
-        }
+        model.with_modes(self.modes.clone()).anchored(&self.wholes)
     }
 
     fn problem<'m>(&self, base: &'m Emulator) -> Problem<'m> {
@@ -383,15 +411,13 @@ impl State<'_> {
             rigs.push((format!("the whole rig at {:.3?}", self.theta), rig));
         }
         for run in self.runs.all(Stage::Full, &rigs, watch)?.iter().flatten() {
-            self.anchors.push(sample(self.theta.clone(), run));
+            let sample = sample(self.theta.clone(), run);
+            self.wholes.push(Whole { names: Vec::new(), sample });
         }
-        if self.anchors.is_empty() {
+        if self.wholes.is_empty() {
             let first = self.runs.failed.last().map_or_else(String::new, |f| f.1.clone());
             return Err(CloseLoopError::Base { failed: each, asked: each, first });
         }
-        self.bias = None;
-        let model = self.base_model()?;
-        self.bias = Some(off_by(&model, &self.anchors));
         self.theta = self.best()?;
         Ok(())
     }
@@ -677,32 +703,10 @@ impl State<'_> {
     }
 }
 
-/// What a model of stand-ins is off by from runs of the whole rig, on average over them, by knot. What the model does not
-/// know is counted as common to all of them.
-fn off_by(model: &Emulator, whole: &[Sample]) -> Vec<Shift> {
-    let n = whole.len() as f64;
-    let (shift, swings) = (model.shift(), &model.scatter().swings);
-    let mut bias = vec![([0.0; 4], [[0.0; 4]; 4]); model.knots().len()];
-    for run in whole {
-        let stand_in = model.moments(&run.at);
-        for (k, (mean, covariance)) in bias.iter_mut().enumerate() {
-            let (at, unknown) = &stand_in.at[k];
-            for r in 0..4 {
-                mean[r] += (run.mean[k][r] - at[r]) / n;
-                covariance[r][r] += shift[r].powi(2) / (n * n) + stand_in.shared[k][r].powi(2) / n;
-                for c in 0..4 {
-                    covariance[r][c] +=
-                        swings[k] * run.covariance[k][r][c] / (n * n) + unknown[r][c] / n;
-                }
-            }
-        }
-    }
-    bias
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use calib::Simulator as _;
 
     /// One knot; responses fall by 10 a unit of the logarithm of friction.
     fn run(at: f64, up: f64) -> Sample {
@@ -716,20 +720,32 @@ mod tests {
     }
 
     #[test]
-    fn a_stand_in_is_shifted_by_its_mean_difference_wherever_the_whole_was_run() {
+    fn a_stand_in_is_shifted_by_its_difference_where_the_whole_was_run() {
         let axes = vec![Axis { path: "friction.pp".to_owned(), scale: Scale::Log, unit: 0.35 }];
         let stand_ins: Vec<Sample> = (0..9).map(|k| run(0.2 + 0.05 * f64::from(k), 0.0)).collect();
         let model = Emulator::fit(axes, vec![0.4], vec![20.0], &stand_ins).unwrap();
         // Two places, 1.5 and 2.5 above the stand-in there.
-        let whole = [run(0.25, 1.5), run(0.5, 2.5)];
-        let bias = off_by(&model, &whole);
-        for r in 0..4 {
-            assert!((bias[0].0[r] - 2.0).abs() < 0.05, "{:?}", bias[0].0);
-            assert!(bias[0].1[r][r] > 0.5e-4);
-        }
-        let shifted = model.with_bias(bias);
-        let mut of_whole = run(0.3, 2.0);
-        shifted.take_off_bias(&mut of_whole);
-        assert!((of_whole.mean[0][0] - run(0.3, 0.0).mean[0][0]).abs() < 0.05);
+        let whole = |names: &[&str], sample: Sample| Whole {
+            names: names.iter().map(|n| (*n).to_owned()).collect(),
+            sample,
+        };
+        // A run with an effect that this model does not have tells it nothing.
+        let mut other = run(0.3, 9.0);
+        other.at.push(1.0);
+        let wholes =
+            [whole(&[], run(0.25, 1.5)), whole(&[], run(0.5, 2.5)), whole(&["a.b"], other)];
+        let shifted = model.clone().anchored(&wholes);
+        let own = |m: &Emulator, x: f64| m.at_knots(&[x])[0][0];
+        // Half-way between them their mean; at one of them the other, two units away, counts a fortieth.
+        let by = |x: f64| own(&shifted, x) - own(&model, x);
+        assert!((by((0.25f64 * 0.5).sqrt()) - 2.0).abs() < 0.05, "{}", by(0.354));
+        assert!((by(0.25) - 1.52).abs() < 0.05, "{}", by(0.25));
+        let variance = |m: &Emulator, x: f64| m.predict(&[x], &[20.0]).unwrap().covariance(0, 0);
+        // Away from both a shift is unsure by a quarter for each unit.
+        let unsure = variance(&shifted, 0.2) - variance(&model, 0.2);
+        let units = (0.25f64 / 0.2).ln() / 0.35;
+        assert!((unsure.sqrt() - 0.25 * units * by(0.2)).abs() < 0.03, "{unsure}");
+        let at_one = variance(&shifted, 0.5) - variance(&model, 0.5);
+        assert!(at_one < 0.2 * unsure, "{at_one} {unsure}");
     }
 }

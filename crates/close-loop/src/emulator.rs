@@ -5,8 +5,8 @@
 
 use calib::{CalibError, Predicted, Simulator};
 
-pub use crate::process::Shift;
-use crate::process::{Local, Process, Scatter};
+use crate::anchors::{Anchor, Off, Whole, off};
+use crate::process::{Local, Process};
 use crate::scale::Scale;
 use crate::speeds::weights;
 
@@ -45,8 +45,8 @@ pub struct Emulator {
     variance: Vec<[f64; 4]>,
     /// Uncertain knowns that were simulated: change of (knot, response) for one standard deviation.
     modes: Vec<Vec<[f64; 4]>>,
-    /// Added to every prediction, with its covariance, by knot.
-    bias: Vec<Shift>,
+    /// By how much it is off from a whole rig that it stands in for.
+    anchors: Vec<Anchor>,
 }
 
 impl Emulator {
@@ -92,8 +92,8 @@ impl Emulator {
             .map(|k| std::array::from_fn(|r| about(&|s| s.variance[k][r])))
             .collect();
         let process = Process::fit(coded, &mean, frames, &weight)?;
-        let bias = vec![([0.0; 4], [[0.0; 4]; 4]); knots.len()];
-        Ok(Self { axes, origin, knots, process, variance, modes: Vec::new(), bias })
+        let (modes, anchors) = (Vec::new(), Vec::new());
+        Ok(Self { axes, origin, knots, process, variance, modes, anchors })
     }
 
     /// The same for other runs at this model's knots, which scatter as those of this one do.
@@ -106,20 +106,59 @@ impl Emulator {
         let (coded, mean) = runs(&axes, &origin, samples)?;
         let process = Process::with_scatter(coded, &mean, &self.process.scatter)?;
         let (knots, variance) = (self.knots.clone(), self.variance.clone());
-        let bias = vec![([0.0; 4], [[0.0; 4]; 4]); knots.len()];
-        Ok(Self { axes, origin, knots, process, variance, modes: Vec::new(), bias })
+        let (modes, anchors) = (Vec::new(), Vec::new());
+        Ok(Self { axes, origin, knots, process, variance, modes, anchors })
     }
 
-    /// Add what a stand-in is off by: the difference at each knot with its covariance.
+    /// Shift the model of a stand-in by what it is off from runs of the whole rig: of those without effects, and with no others than
+    /// its own.
     #[must_use]
-    pub fn with_bias(mut self, bias: Vec<Shift>) -> Self {
-        self.bias = bias;
+    pub(crate) fn anchored(mut self, wholes: &[Whole]) -> Self {
+        // Free parameters come first, then effects.
+        let place = |w: &Whole| {
+            let free = w.sample.at.len().checked_sub(w.names.len())?;
+            let mut at = self.origin.clone();
+            at.get_mut(..free)?.copy_from_slice(&w.sample.at[..free]);
+            for (name, strength) in w.names.iter().zip(&w.sample.at[free..]) {
+                let axis = self.axes.iter().skip(free).position(|a| a.path == *name)?;
+                at[free + axis] = *strength;
+            }
+            Some(at)
+        };
+        let anchors =
+            wholes.iter().filter_map(|w| Some(self.anchor(&place(w)?, &w.sample))).collect();
+        self.anchors = anchors;
         self
     }
 
-    /// What was added to every prediction.
-    pub(crate) fn bias(&self) -> &[Shift] {
-        &self.bias
+    /// The whole rig less what this model says.
+    fn anchor(&self, at: &[f64], whole: &Sample) -> Anchor {
+        let z = code(&self.axes, &self.origin, at);
+        let stand_in = self.process.moments(&z);
+        let scatter = &self.process.scatter;
+        let knots = || stand_in.at.iter().enumerate();
+        let mean = knots()
+            .map(|(k, (own, _))| std::array::from_fn(|r| whole.mean[k][r] - own[r]))
+            .collect();
+        let with_shift = |of: &[[f64; 4]; 4], factor: f64, shift: [f64; 4]| {
+            std::array::from_fn(|r| {
+                std::array::from_fn(|s| {
+                    let own = if r == s { shift[r].powi(2) } else { 0.0 };
+                    factor * of[r][s] + own
+                })
+            })
+        };
+        let noise = knots()
+            .map(|(k, _)| with_shift(&whole.covariance[k], scatter.swings[k], scatter.shift))
+            .collect();
+        let unknown =
+            knots().map(|(k, (_, own))| with_shift(own, 1.0, stand_in.shared[k])).collect();
+        Anchor { at: z, mean, noise, unknown }
+    }
+
+    /// What is added at a point.
+    pub(crate) fn off(&self, at: &[f64]) -> Off {
+        off(&self.anchors, &code(&self.axes, &self.origin, at))
     }
 
     /// Covariance of one run from its frames and what swings more slowly than they show, by knot.
@@ -139,11 +178,6 @@ impl Emulator {
     /// to the next.
     pub fn shift(&self) -> [f64; 4] {
         self.process.scatter.shift
-    }
-
-    /// How runs scatter.
-    pub(crate) fn scatter(&self) -> &Scatter {
-        &self.process.scatter
     }
 
     /// Variance of a mean over what its frames show, at any speed: slow swings of the bed.
@@ -190,33 +224,23 @@ impl Emulator {
     /// Means at the knots.
     pub fn at_knots(&self, at: &[f64]) -> Vec<[f64; 4]> {
         let mut all = self.process.mean(&code(&self.axes, &self.origin, at));
-        for (four, bias) in all.iter_mut().zip(&self.bias) {
-            four.iter_mut().zip(bias.0).for_each(|(m, b)| *m += b);
+        for (four, off) in all.iter_mut().zip(&self.off(at).shift) {
+            four.iter_mut().zip(off.0).for_each(|(m, b)| *m += b);
         }
         all
     }
 
-    /// What is known at the knots, without modes, bias included.
+    /// What is known at the knots, without modes; of the whole rig where this is a stand-in.
     pub(crate) fn moments(&self, at: &[f64]) -> Local {
         let mut local = self.process.moments(&code(&self.axes, &self.origin, at));
-        self.shift_by_bias(&mut local);
-        local
-    }
-
-    /// Add what the stand-in is off by to what its runs have shown.
-    pub(crate) fn shift_by_bias(&self, local: &mut Local) {
-        for ((mean, covariance), bias) in local.at.iter_mut().zip(&self.bias) {
-            mean.iter_mut().zip(bias.0).for_each(|(m, b)| *m += b);
-            let each = covariance.iter_mut().flatten().zip(bias.1.iter().flatten());
+        let Off { shift, unsure } = self.off(at);
+        for ((mean, covariance), off) in local.at.iter_mut().zip(&shift) {
+            mean.iter_mut().zip(off.0).for_each(|(m, b)| *m += b);
+            let each = covariance.iter_mut().flatten().zip(off.1.iter().flatten());
             each.for_each(|(c, b)| *c += b);
         }
-    }
-
-    /// What the stand-in would have shown where the whole rig was run.
-    pub(crate) fn take_off_bias(&self, sample: &mut Sample) {
-        for (mean, bias) in sample.mean.iter_mut().zip(&self.bias) {
-            mean.iter_mut().zip(bias.0).for_each(|(m, b)| *m -= b);
-        }
+        local.unsure = unsure;
+        local
     }
 
     /// Variance at a point over that of one run from its frames, on average: 1 where one run was made, more
@@ -261,6 +285,7 @@ impl Emulator {
             w.iter().zip(mode).map(|(w, m)| w * m[r]).sum()
         };
         let shift = vec![self.process.scatter.shift; self.knots.len()];
+        let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain([&local.unsure]).collect();
         let mut covariance = vec![0.0; n * n];
         for a in 0..speeds_rpm.len() {
             for b in 0..=a {
@@ -280,7 +305,7 @@ impl Emulator {
                             *c += self.process.scatter.together[r][s] * both;
                         }
                     }
-                    for mode in &self.modes {
+                    for mode in &modes {
                         for (s, c) in row.iter_mut().enumerate() {
                             *c += value(&spline[a], mode, r) * value(&spline[b], mode, s);
                         }

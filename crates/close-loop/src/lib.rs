@@ -9,6 +9,7 @@
 
 pub use {calib, campaign, rig_schema};
 
+mod anchors;
 mod catalogue;
 mod coded;
 mod compare;
@@ -32,7 +33,7 @@ mod table;
 pub use catalogue::{Catalogue, Effect, Needs};
 pub use curve::{Change, Curve};
 pub use driver::{CloseLoop, Pilot, Stage, Told};
-pub use emulator::{Axis, Emulator, Sample, Shift};
+pub use emulator::{Axis, Emulator, Sample};
 pub use error::CloseLoopError;
 pub use outcome::{Errors, Outcome, Point, ResponseErrors, Side, SpeedResponse, StrengthOf};
 pub use plan::{Effort, LoopSettings};

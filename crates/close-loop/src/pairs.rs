@@ -3,6 +3,7 @@
 use calib::CalibError;
 use calib::attribution::{PairFit, Settings};
 
+use crate::anchors::Whole;
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model};
 use crate::confirm::Learned;
@@ -127,14 +128,13 @@ impl State<'_> {
         }
     }
 
-    /// Take fresh runs into the models of their effects.
+    /// Take fresh runs into the models of their effects: as runs, or as what tells by how much a stand-in is off.
     pub(crate) fn learn(&mut self, learned: Vec<Learned>) {
-        for (names, mut samples) in learned {
-            // Fresh runs are of the rig itself, the models are of its stand-in.
-            for (k, (shift, _)) in self.bias.iter().flatten().enumerate() {
-                for sample in &mut samples {
-                    sample.mean[k].iter_mut().zip(shift).for_each(|(m, b)| *m -= b);
-                }
+        for (names, samples) in learned {
+            if self.setup.cast.whole.is_some() {
+                let whole = |sample| Whole { names: names.clone(), sample };
+                self.wholes.extend(samples.into_iter().map(whole));
+                continue;
             }
             let known = match &names[..] {
                 [name] => self.effects.get_mut(name),

@@ -69,7 +69,7 @@ pub struct Effort {
     pub refine: usize,
     /// Effects on the short list.
     pub short_list: usize,
-    /// Fillings of each confirmed model.
+    /// Fillings of each confirmed model; none where these are of the whole rig.
     pub confirm: usize,
 }
 
@@ -91,11 +91,17 @@ impl Effort {
             + 6 * self.confirm
     }
 
-    /// The plan for a number of runs.
+    /// The plan for a number of runs; where fresh runs are `of_whole` rigs, they are counted beside it.
     ///
     /// # Errors
     /// [`CloseLoopError::Budget`] if not even the smallest plan fits.
-    pub fn of(runs: Option<usize>, free: usize, effects: usize) -> Result<Self, CloseLoopError> {
+    pub fn of(
+        runs: Option<usize>,
+        free: usize,
+        effects: usize,
+        of_whole: bool,
+    ) -> Result<Self, CloseLoopError> {
+        let confirm = |fillings| if of_whole { 0 } else { fillings };
         let least = Self {
             base: 2 * free + 4,
             zoom: free + 3,
@@ -103,7 +109,7 @@ impl Effort {
             probes: 1,
             refine: free + 3,
             short_list: effects.min(2),
-            confirm: 2,
+            confirm: confirm(2),
         };
         let usual = Self {
             base: 4 * free + 6,
@@ -112,7 +118,7 @@ impl Effort {
             probes: 4,
             refine: 2 * free + 5,
             short_list: effects.min(4),
-            confirm: 3,
+            confirm: confirm(3),
         };
         let Some(runs) = runs else { return Ok(usual) };
         let smallest = least.total(effects);
@@ -128,7 +134,7 @@ impl Effort {
             |p, _| p.probes += 1,
             |p, _| p.zoom += 2,
             |p, _| p.base += 2,
-            |p, _| p.confirm += 1,
+            |p, _| p.confirm += usize::from(p.confirm > 0),
         ];
         loop {
             let before = plan;
@@ -248,6 +254,15 @@ impl Setup {
         })
     }
 
+    /// How many runs go where.
+    pub(crate) fn effort(
+        &self,
+        runs: Option<usize>,
+        effects: usize,
+    ) -> Result<Effort, CloseLoopError> {
+        Effort::of(runs, self.free.len(), effects, self.cast.fresh.is_some())
+    }
+
     /// Speeds of the fresh runs: those of all others, and those to predict.
     pub(crate) fn speeds_of_fresh_runs(&self) -> Vec<f64> {
         let mut all: Vec<f64> = self.knots.iter().chain(&self.predict).copied().collect();
@@ -273,10 +288,10 @@ mod tests {
     fn a_plan_keeps_to_its_runs_and_uses_them() {
         for effects in [3, 8, 16] {
             for free in [1, 2, 3] {
-                let least = Effort::of(Some(1), free, effects).unwrap_err();
+                let least = Effort::of(Some(1), free, effects, false).unwrap_err();
                 let CloseLoopError::Budget { least, .. } = least else { panic!("{least}") };
                 for runs in [least, least + 7, 90, 150, 400] {
-                    let Ok(plan) = Effort::of(Some(runs), free, effects) else {
+                    let Ok(plan) = Effort::of(Some(runs), free, effects, false) else {
                         assert!(runs < least);
                         continue;
                     };

@@ -3,10 +3,9 @@
 use campaign::{Run, SpeedRow};
 use rig_schema::Response;
 
-use crate::emulator::{Emulator, Shift};
+use crate::emulator::Emulator;
 use crate::outcome::SpeedResponse;
 use crate::plan::Setup;
-use crate::speeds::weights;
 
 /// Rows of the speeds to predict, run by run, in the order in which they are asked for; speeds that nobody measured are taken
 /// out of the runs.
@@ -27,7 +26,6 @@ pub(crate) fn predictions(
     runs: &[Vec<SpeedRow>],
     setup: &Setup,
     base: &Emulator,
-    bias: Option<&[Shift]>,
     nuisance: &dyn Fn(Response, f64) -> f64,
 ) -> Vec<SpeedResponse> {
     let n = runs.len() as f64;
@@ -35,17 +33,12 @@ pub(crate) fn predictions(
     let mut all = Vec::new();
     for (k, omega) in setup.predict.iter().enumerate() {
         let rows: Vec<&SpeedRow> = runs.iter().filter_map(|r| r.get(k)).collect();
-        let w = weights(&setup.knots, *omega);
         for response in Response::ALL {
             let r = response.index();
             let mut mean = rows.iter().map(|s| s.mean[r]).sum::<f64>() / n;
             let frames = rows.iter().map(|s| s.covariance[r][r]).sum::<f64>() / (n * n)
                 * base.swings(*omega);
-            let mut variance = frames + shift[r].powi(2) * (1.0 + 1.0 / n);
-            for (w, (b, c)) in w.iter().zip(bias.unwrap_or_default()) {
-                mean += w * b[r];
-                variance += w * w * c[r][r];
-            }
+            let variance = frames + shift[r].powi(2) * (1.0 + 1.0 / n);
             mean += nuisance(response, mean);
             all.push(SpeedResponse {
                 omega_rpm: *omega,

@@ -47,7 +47,7 @@ const ALONE: [[f64; 4]; 4] =
 const FLOOR: f64 = 1e-4;
 
 /// Shift of the four responses at one speed, with its covariance.
-pub type Shift = ([f64; 4], [[f64; 4]; 4]);
+pub(crate) type Shift = ([f64; 4], [[f64; 4]; 4]);
 
 /// What is known of the responses at a point.
 #[derive(Debug, Clone)]
@@ -57,6 +57,9 @@ pub(crate) struct Local {
     /// Further standard deviation of each response, shared by all knots: shifts of the fillings that
     /// were simulated.
     pub(crate) shared: Vec<[f64; 4]>,
+    /// One more standard deviation, common to knots and responses in this proportion: what a stand-in may be off by. Empty
+    /// for none.
+    pub(crate) unsure: Vec<[f64; 4]>,
 }
 
 /// How one run differs from the next of the same drum.
@@ -286,7 +289,7 @@ impl Process {
         let n = self.coded.len();
         let to = self.to(z);
         let (own_q, own_s) = kernel(z, z, self.length);
-        let mut local = Local { at: Vec::new(), shared: Vec::new() };
+        let mut local = Local { at: Vec::new(), shared: Vec::new(), unsure: Vec::new() };
         for ((four, frame), mean) in
             self.outputs.iter().zip(&self.scatter.frames).zip(self.mean_from(&to))
         {

@@ -20,6 +20,8 @@ pub(crate) struct Runs<'a> {
     pub(crate) seed: u64,
     /// Runs asked for, kept ones included.
     pub(crate) made: usize,
+    /// Those of them that are not of a whole rig in place of its stand-in.
+    pub(crate) everyday: usize,
     pub(crate) cost_s: f64,
     pub(crate) steps: u64,
     /// Rigs that failed: what they were, and why.
@@ -28,7 +30,7 @@ pub(crate) struct Runs<'a> {
 
 impl<'a> Runs<'a> {
     pub(crate) fn new(lab: &'a Laboratory, cast: Cast, seed: u64) -> Self {
-        Self { lab, cast, seed, made: 0, cost_s: 0.0, steps: 0, failed: Vec::new() }
+        Self { lab, cast, seed, made: 0, everyday: 0, cost_s: 0.0, steps: 0, failed: Vec::new() }
     }
 
     /// Seed of a filling: the same for the same stage and number.
@@ -47,7 +49,7 @@ impl<'a> Runs<'a> {
         rigs: &[(String, Rig)],
         watch: &mut dyn FnMut(&Told),
     ) -> Result<Vec<Option<Run>>, CloseLoopError> {
-        let whole = stage == Stage::Full || stage == Stage::Confirm && self.cast.confirm_whole;
+        let whole = matches!(stage, Stage::Full | Stage::Confirm) && self.cast.whole.is_some();
         let stand_in = if whole { self.cast.whole } else { Some(self.cast.everyday) };
         let stand_in = stand_in.unwrap_or(StandIn::NONE);
         // A stand-in that cannot be described is a run that failed.
@@ -64,6 +66,7 @@ impl<'a> Runs<'a> {
             watch(&Told { stage, done, of, runs: made + counts * done, cost_s });
         });
         self.made += counts * of;
+        self.everyday += if whole { 0 } else { counts * of };
         let mut runs = Vec::new();
         let mut results = results.into_iter();
         for (rig, (label, _)) in described.into_iter().zip(rigs) {

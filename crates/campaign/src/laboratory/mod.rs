@@ -127,6 +127,9 @@ impl Laboratory {
                 (place != k).then_some(place)
             })
             .collect();
+        // Workers that would have nothing to do help with what there is: threads do not change a bit.
+        let distinct = same.iter().filter(|s| s.is_none()).count();
+        let threads = (self.jobs / distinct.max(1)).max(1);
         std::thread::scope(|scope| {
             for _ in 0..self.jobs.min(rigs.len()) {
                 let sender = sender.clone();
@@ -138,7 +141,7 @@ impl Laboratory {
                         if same[k].is_some() {
                             continue;
                         }
-                        if sender.send((k, self.one(rig))).is_err() {
+                        if sender.send((k, self.one(rig, threads))).is_err() {
                             break;
                         }
                     }
@@ -187,13 +190,13 @@ impl Laboratory {
         Ok(serde_json::from_slice(&bytes).ok())
     }
 
-    fn one(&self, rig: &Rig) -> Result<(Run, bool), CampaignError> {
+    fn one(&self, rig: &Rig, threads: usize) -> Result<(Run, bool), CampaignError> {
         if self.is_stopped() {
             return Err(CampaignError::Stopped);
         }
         let begun = Instant::now();
         let observatory = Observatory::new(rig, self.sampling.resolution)?;
-        let options = self.options(&observatory);
+        let options = Options { threads, ..self.options(&observatory) };
         let motion = key::motion(rig, &options);
         let key = self.row_key(&motion, rig);
         if let Some(run) = self.kept_row(&key)? {

@@ -2,7 +2,7 @@
 
 use close_loop::campaign::{Laboratory, Resolution, Sampling};
 use close_loop::rig_schema::{Case, MeasuredTable};
-use close_loop::{CloseLoop, CloseLoopError, LoopSettings, Outcome};
+use close_loop::{CloseLoop, CloseLoopError, Fidelity, LoopSettings, Outcome};
 
 const CASE: &str = r#"
 name = "tiny"
@@ -35,13 +35,22 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
 ";
 
 fn close(folder: &std::path::Path, table: &str, jobs: usize) -> Result<Outcome, CloseLoopError> {
+    close_by(folder, table, jobs, Fidelity::Case)
+}
+
+fn close_by(
+    folder: &std::path::Path,
+    table: &str,
+    jobs: usize,
+    fidelity: Fidelity,
+) -> Result<Outcome, CloseLoopError> {
     let case = Case::parse("case.toml", CASE).unwrap();
     let measured = MeasuredTable::parse("measured.csv", table).unwrap();
     let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
     let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
     let lab = Laboratory::open(folder, jobs, sampling).unwrap();
     let mut settings =
-        LoopSettings { runs: Some(38), predict: vec![65.0], ..LoopSettings::default() };
+        LoopSettings { runs: Some(38), predict: vec![65.0], fidelity, ..LoopSettings::default() };
     settings.attribution.bootstrap = 99;
     settings.attribution.stability_bootstrap = 0;
     CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings }.run(&mut |_| ())
@@ -85,6 +94,28 @@ fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
         };
         let (low, high) = (at(50.0).min(at(80.0)) - 1.5, at(50.0).max(at(80.0)) + 1.5);
         assert!(p.omega_rpm == 65.0 && p.sd > 0.0 && p.mean > low && p.mean < high, "{p:?}");
+    }
+}
+
+#[test]
+fn a_coarse_stand_in_is_held_against_the_drum_and_the_answer_is_the_drums() {
+    let folder = tempfile::tempdir().unwrap();
+    let coarse = close_by(folder.path(), IMPOSSIBLE, 2, Fidelity::Coarse).unwrap();
+    // Beads half as large again lie differently, and it is said by how much.
+    assert_eq!(coarse.off_by.len(), 2 * 4);
+    let height = coarse.off_by.iter().filter(|s| s.response == "cen_y_pct").map(|s| s.mean.abs());
+    assert!(height.fold(0.0, f64::max) > 0.5, "{:?}", coarse.off_by);
+    assert!(coarse.assumed.iter().any(|a| a.contains("fresh runs are of the rig itself")));
+    assert_eq!(coarse.before.fillings, 1);
+    assert!(coarse.before.errors.chi2 > 50.0);
+    // What the shifted stand-in says is what a fresh run of the drum shows.
+    for residual in &coarse.finding.base.residuals {
+        let same = |p: &&close_loop::Point| {
+            p.omega_rpm == residual.omega_rpm && p.response == residual.response
+        };
+        let point = coarse.points.iter().find(same).unwrap();
+        let said = point.measured - residual.value;
+        assert!((said - point.before).abs() < 3.0, "{said} {point:?}");
     }
 }
 

@@ -19,6 +19,10 @@ const LEAST_PARTICLES: usize = 300;
 /// Time that no machine undercuts by much for one step of one sphere, s.
 const LEAST_COST_S: f64 = 80e-9;
 
+/// Cost of a step of a sphere in a whole drum over that in its stand-in, of whose few spheres filming takes a larger part. Measured:
+/// 976 beads 126 ns, 7807 beads 81 to 89 ns, filming included.
+const WHOLE: f64 = 0.75;
+
 /// Most pilots that are run at a time.
 const MOST_PILOTS: usize = 8;
 
@@ -126,7 +130,7 @@ pub(super) fn fit(
     for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
         let share = speeds as f64 / simulated as f64;
         for (way, cost) in ways.iter().zip(&mut costs) {
-            let anchors = way.anchors * rate * share;
+            let anchors = way.anchors * WHOLE * rate * share;
             settings.fidelity = way.fidelity;
             settings.most_speeds = speeds;
             let mut plan = |each: f64| {
@@ -179,7 +183,7 @@ fn told(fidelity: Fidelity, speeds: usize, of: usize) -> String {
         Fidelity::Case => "the rig is simulated as the case asks",
         Fidelity::Soft => "to keep to the budget the rig is simulated with softer particles",
         Fidelity::Coarse => {
-            "to keep to the budget a coarse stand-in is simulated, shifted to agree with a few runs of the rig with softer particles"
+            "to keep to the budget a coarse stand-in is simulated, shifted to agree with a few runs of the whole drum"
         }
     };
     if speeds < of { format!("{what}, at {speeds} of {of} speeds") } else { what.to_owned() }
@@ -223,11 +227,11 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
         let ways = ways(&case, &measured, &lab, &LoopSettings::default()).unwrap();
         let names: Vec<Fidelity> = ways.iter().map(|w| w.fidelity).collect();
         assert_eq!(names, [Fidelity::Case, Fidelity::Soft, Fidelity::Coarse]);
-        // Steps are 4.7 times as long; the stand-in has a tenth of the beads and steps 1.75 times as long again.
+        // Steps are 4.7 times as long; the stand-in has an eighth of the beads and steps twice as long again.
         let softer = ways[0].work / ways[1].work;
         assert!((softer / 4.7 - 1.0).abs() < 0.05, "{softer}");
         let coarser = ways[1].work / ways[2].work;
-        assert!((coarser / (1.75_f64.powi(4) * 150.0 / 84.0) - 1.0).abs() < 0.05, "{coarser}");
+        assert!((coarser / 2.0_f64.powi(4) - 1.0).abs() < 0.05, "{coarser}");
         assert!(ways.iter().all(|w| w.pilot.run.speeds_rpm == [10.0, 20.0, 30.0]));
     }
 }
