@@ -1,6 +1,6 @@
 //! By how much a stand-in is off: known where the whole rig was run, guessed elsewhere.
 
-use crate::emulator::Sample;
+use crate::emulator::{Sample, distance_squared};
 use crate::process::Shift;
 
 /// Part of the difference by which it changes over a unit of the coordinates. Measured on the drum of the thesis
@@ -46,10 +46,7 @@ pub(crate) struct Off {
 /// them is, the less is known.
 pub(crate) fn off(anchors: &[Anchor], z: &[f64]) -> Off {
     let Some(first) = anchors.first() else { return Off::default() };
-    let apart = |a: &Anchor| -> f64 {
-        let each = a.at.iter().zip(z);
-        each.map(|(a, z)| (a - z).powi(2)).sum::<f64>()
-    };
+    let apart = |a: &Anchor| distance_squared(&a.at, z);
     let weight = |a: &Anchor| 1.0 / (1.0 + apart(a) / (HALF * HALF));
     let all: f64 = anchors.iter().map(weight).sum();
     let mut shift = vec![([0.0; 4], [[0.0; 4]; 4]); first.mean.len()];

@@ -156,12 +156,6 @@ impl Catalogue {
         self
     }
 
-    /// Leave out what a stand-in without end plates cannot show.
-    pub(crate) fn leave_out_ends(&mut self) {
-        let gone = |path: &str| path.ends_with("end_plate") || path == "axis.inclination_deg";
-        self.leave_out(gone, "the coarse stand-in has periodic ends");
-    }
-
     fn leave_out(&mut self, gone: impl Fn(&str) -> bool, why: &str) {
         for e in self.effects.extract_if(.., |e| gone(&e.path)) {
             self.left_out.push((e.path, why.to_owned()));

@@ -141,15 +141,15 @@ impl CloseLoop<'_> {
         if finding.verdict != Verdict::None && state.setup.cast.fresh.is_some() {
             finding = self.ask_the_whole_rig(&mut state, &finding, watch)?;
         }
+        let retries = if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
         let mut round = 0;
         loop {
             let (mut outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
             // Fresh runs that refute an answer are the best that its model can learn from.
             let spare = self.spare(&state, 2);
             let learns = learned.iter().any(|l| state.can_learn(l));
-            let tired =
-                round == if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
-            if outcome.confirmed != Some(false) || tired || !learns || spare == 0 {
+            let tired = round == retries || spare == 0;
+            if outcome.confirmed != Some(false) || tired || !learns {
                 outcome.refuted = round;
                 return Ok(outcome);
             }

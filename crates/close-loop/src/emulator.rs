@@ -261,7 +261,7 @@ impl Emulator {
     /// Distance of two points, coded units.
     pub(crate) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
         let (a, b) = (code(&self.axes, &self.origin, a), code(&self.axes, &self.origin, b));
-        a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        distance_squared(&a, &b).sqrt()
     }
 
     /// Means at any speeds from those at the knots.
@@ -285,7 +285,8 @@ impl Emulator {
             w.iter().zip(mode).map(|(w, m)| w * m[r]).sum()
         };
         let shift = vec![self.process.scatter.shift; self.knots.len()];
-        let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain([&local.unsure]).collect();
+        let unsure = Some(&local.unsure).filter(|u| !u.is_empty());
+        let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain(unsure).collect();
         let mut covariance = vec![0.0; n * n];
         for a in 0..speeds_rpm.len() {
             for b in 0..=a {
@@ -366,8 +367,12 @@ fn runs<'s>(axes: &[Axis], origin: &[f64], samples: &'s [Sample]) -> Result<Code
 
 /// Weight of a run in what is told of a point: a standard deviation is one coded unit.
 fn nearness(a: &[f64], b: &[f64]) -> f64 {
-    let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-    (-0.5 * apart).exp()
+    (-0.5 * distance_squared(a, b)).exp()
+}
+
+/// Squared distance of two coded points.
+pub(crate) fn distance_squared(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
 fn code(axes: &[Axis], origin: &[f64], at: &[f64]) -> Vec<f64> {

@@ -232,9 +232,6 @@ impl Setup {
             .chain(case.nuisance.iter().map(|n| n.path.clone()))
             .collect();
         let mut catalogue = Catalogue::of(&rig, &taken).without(&case.catalogue.without);
-        if cast.everyday.coarse.is_some_and(|by| by.cuts(&rig)) {
-            catalogue.leave_out_ends();
-        }
         if !case.catalogue.only.is_empty() {
             catalogue = catalogue.only(&case.catalogue.only);
         }

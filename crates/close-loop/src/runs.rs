@@ -9,7 +9,7 @@ use rig_schema::Rig;
 
 use crate::catalogue::{Effect, set};
 use crate::driver::{Stage, Told};
-use crate::emulator::{Axis, Sample};
+use crate::emulator::{Axis, Sample, distance_squared};
 use crate::error::CloseLoopError;
 use crate::stand_in::{Cast, StandIn};
 
@@ -185,8 +185,7 @@ pub(crate) fn fill_box(
         let mut least = f64::INFINITY;
         for i in 0..count {
             for j in 0..i {
-                let d: f64 = points[i].iter().zip(&points[j]).map(|(a, b)| (a - b).powi(2)).sum();
-                least = least.min(d);
+                least = least.min(distance_squared(&points[i], &points[j]));
             }
         }
         if least > best.0 {

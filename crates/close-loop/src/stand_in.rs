@@ -7,12 +7,12 @@ use rig_schema::{Ends, Rig};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {
-    /// As the case asks: the rig itself, or, with `coarse = true`, its coarse and soft stand-in beside the rig itself.
+    /// As the case asks: the rig itself, or, with `coarse = true`, its coarse stand-in, shifted by what it is off from the rig itself.
     #[default]
     Case,
-    /// The rig with softer particles.
+    /// The rig with softer particles, shifted by what it is off from the rig itself unless that takes very many steps.
     Soft,
-    /// A coarse stand-in with softer particles, shifted by what it is off from a few runs of the soft rig.
+    /// A coarse stand-in, shifted by what it is off from the rig itself, or from a soft one where that takes very many steps.
     Coarse,
 }
 
@@ -40,7 +40,7 @@ const WORTH: f64 = 1.5;
 pub(crate) struct StandIn {
     /// Softer particles.
     pub(crate) soft: bool,
-    /// Larger particles, in a slice of the drum where it is long.
+    /// Larger particles, in a slice of a long drum with periodic ends.
     pub(crate) coarse: Option<Coarsening>,
 }
 
@@ -50,22 +50,22 @@ impl StandIn {
     /// Softer particles.
     pub(crate) const SOFT: Self = Self { soft: true, coarse: None };
 
-    /// Softer and larger particles. A drum with ends keeps them, and its length: in the drum of the thesis at a
+    /// Larger particles, softer where that saves steps (`saved`, rig over soft). A drum with ends keeps them, and its length: in the drum of the thesis at a
     /// friction of 0.3 the middle line of a slice without them reads 6 to 16 deg lower, that of beads twice as large
     /// -0.2 to 3 deg higher.
-    fn coarse(rig: &Rig) -> Result<Self, drum_rig::Error> {
+    fn coarse(rig: &Rig, saved: f64) -> Result<Self, drum_rig::Error> {
         let by = Coarsening::default();
         let diameters = if rig.drum.ends == Ends::Periodic { by.diameters } else { WHOLE };
         let by = Coarsening { diameters, ..by }.until(rig, PARTICLES)?;
-        Ok(Self { soft: Self::steps_saved(rig)? >= WORTH, coarse: Some(by) })
+        Ok(Self { soft: saved >= WORTH, coarse: Some(by) })
     }
 
     /// What a coarse stand-in is held against: the rig itself, with softer particles where it takes very many steps,
     /// and larger ones where there are very many.
-    fn finer(rig: &Rig) -> Result<Self, drum_rig::Error> {
+    fn finer(rig: &Rig, saved: f64) -> Result<Self, drum_rig::Error> {
         let by = Coarsening { size: 1.0, diameters: WHOLE }.until(rig, ANCHORED)?;
         let coarse = (by.size > 1.0).then_some(by);
-        Ok(Self { soft: Self::steps_saved(rig)? > DEAR, coarse })
+        Ok(Self { soft: saved > DEAR, coarse })
     }
 
     /// Its particles, in words.
@@ -128,19 +128,20 @@ impl Cast {
             // Of many particles, so that one filling is much like the next.
             fresh: Some(1),
         };
+        if fidelity == Fidelity::Case && !asks_coarse {
+            return Ok(alone(StandIn::NONE));
+        }
+        let saved = StandIn::steps_saved(rig)?;
         Ok(match fidelity {
-            Fidelity::Case if !asks_coarse => alone(StandIn::NONE),
             Fidelity::Case => Self {
-                everyday: StandIn::coarse(rig)?,
+                everyday: StandIn::coarse(rig, saved)?,
                 whole: Some(StandIn::NONE),
                 anchors: [2, 2, 2],
                 fresh: None,
             },
-            Fidelity::Soft if StandIn::steps_saved(rig)? <= DEAR => {
-                anchored(StandIn::SOFT, StandIn::NONE)
-            }
+            Fidelity::Soft if saved <= DEAR => anchored(StandIn::SOFT, StandIn::NONE),
             Fidelity::Soft => alone(StandIn::SOFT),
-            Fidelity::Coarse => anchored(StandIn::coarse(rig)?, StandIn::finer(rig)?),
+            Fidelity::Coarse => anchored(StandIn::coarse(rig, saved)?, StandIn::finer(rig, saved)?),
         })
     }
 
@@ -157,14 +158,13 @@ impl Cast {
 
     /// What a report has to say of it.
     pub(crate) fn assumed(&self) -> Option<String> {
-        let whole = self.whole.unwrap_or(StandIn::NONE);
         if self.everyday == StandIn::NONE {
             return None;
         }
         let everyday = self.everyday.described();
-        if self.whole.is_none() {
+        let Some(whole) = self.whole else {
             return Some(format!("The rig was simulated with {everyday}."));
-        }
+        };
         let of = match whole {
             StandIn::NONE => "the rig itself".to_owned(),
             finer => format!("the whole drum with {}", finer.described()),
@@ -220,7 +220,10 @@ soft = { density_kg_m3 = 1190.0, poisson_ratio = 0.37, shear_modulus_pa = 1e5 }
         // Under one load overlaps, and with them contact areas, grow by 21.9^(2/3).
         let energy = |r: &Rig| r.settings.value("cohesion.energy_density_j_m3").unwrap();
         assert!((energy(&given) / energy(&soft) - 21.9_f64.powf(2.0 / 3.0)).abs() < 0.05);
-        let coarse = StandIn::coarse(&given).unwrap().of(&given).unwrap();
+        let standing_for = |rig: &Rig| {
+            StandIn::coarse(rig, StandIn::steps_saved(rig).unwrap()).unwrap().of(rig).unwrap()
+        };
+        let coarse = standing_for(&given);
         // 7807 / 2^3 = 976 beads, in the whole drum with its ends.
         // Softer ones would take as many steps here, so that they are as stiff as they were.
         assert!((energy(&coarse) / energy(&given) - 2.0).abs() < 1e-12);
@@ -229,7 +232,7 @@ soft = { density_kg_m3 = 1190.0, poisson_ratio = 0.37, shear_modulus_pa = 1e5 }
         let mut endless = given.clone();
         endless.drum.ends = Ends::Periodic;
         // 7807 x 0.56 / 1.75^3 = 816 beads in a slice of eight diameters.
-        let slice = StandIn::coarse(&endless).unwrap().of(&endless).unwrap();
+        let slice = standing_for(&endless);
         assert!((slice.drum.length_m - 0.084).abs() < 1e-12);
         assert_eq!(StandIn::NONE.of(&given).unwrap(), given);
     }

@@ -38,8 +38,8 @@ struct Way {
     fidelity: Fidelity,
     /// Steps of all spheres in one run.
     work: f64,
-    /// The same of all runs that anchor it.
-    anchors: f64,
+    /// The same of all runs of the whole rig beside them: those that anchor it, and fresh ones.
+    whole: f64,
     pilot: Rig,
 }
 
@@ -50,8 +50,8 @@ fn work(rig: &Rig) -> Result<(f64, usize), CloseLoopError> {
     Ok((spheres * outline.least_steps as f64, outline.particles))
 }
 
-/// The same of all runs that anchor a stand-in.
-fn work_of_anchors(pilot: &Pilot) -> Result<f64, CloseLoopError> {
+/// The same of all runs of the whole rig beside its stand-in's: those that anchor it, and fresh ones.
+fn work_of_whole(pilot: &Pilot) -> Result<f64, CloseLoopError> {
     let Some((whole, runs)) = &pilot.whole else { return Ok(0.0) };
     Ok(*runs as f64 * work(whole)?.0)
 }
@@ -77,10 +77,10 @@ fn ways(
         if fidelity == Fidelity::Coarse && particles < LEAST_PARTICLES {
             continue;
         }
-        let anchors = work_of_anchors(&pilot)?;
-        let least = |work: f64, anchors: f64| LEAST_RUNS * work + anchors;
-        if ways.iter().all(|w| least(own, anchors) < least(w.work, w.anchors) / 1.5) {
-            ways.push(Way { fidelity, work: own, anchors, pilot: pilot.rig });
+        let whole = work_of_whole(&pilot)?;
+        let least = |work: f64, whole: f64| LEAST_RUNS * work + whole;
+        if ways.iter().all(|w| least(own, whole) < least(w.work, w.whole) / 1.5) {
+            ways.push(Way { fidelity, work: own, whole, pilot: pilot.rig });
         }
     }
     Ok(ways)
@@ -130,11 +130,11 @@ pub(super) fn fit(
     for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
         let share = speeds as f64 / simulated as f64;
         for (way, cost) in ways.iter().zip(&mut costs) {
-            let anchors = way.anchors * WHOLE * rate * share;
+            let whole = way.whole * WHOLE * rate * share;
             settings.fidelity = way.fidelity;
             settings.most_speeds = speeds;
             let mut plan = |each: f64| {
-                settings.runs = Some(((time - anchors).max(0.0) / each) as usize);
+                settings.runs = Some(((time - whole).max(0.0) / each) as usize);
                 (CloseLoop { case, measured, lab, settings: &*settings }).planned()
             };
             // What its particles cost by the first pilot; its own, with frames and filling, if that would do.
@@ -150,10 +150,10 @@ pub(super) fn fit(
             match planned {
                 Ok(runs) => {
                     eprintln!("{}", told(way.fidelity, speeds, simulated));
-                    return Ok((runs as f64 * each + anchors) / jobs as f64);
+                    return Ok((runs as f64 * each + whole) / jobs as f64);
                 }
                 Err(CloseLoopError::Budget { least, .. }) => {
-                    let needed = (least as f64 * each + anchors) / (SIMULATING * jobs as f64);
+                    let needed = (least as f64 * each + whole) / (SIMULATING * jobs as f64);
                     shortest = Some(shortest.map_or(needed, |s| s.min(needed)));
                 }
                 Err(e) => return Err(e.into()),
@@ -174,7 +174,7 @@ pub(super) fn expected(
     jobs: usize,
 ) -> Result<f64, CloseLoopError> {
     let pilot = this.pilot()?;
-    let all = runs as f64 * work(&pilot.rig)?.0 + work_of_anchors(&pilot)?;
+    let all = runs as f64 * work(&pilot.rig)?.0 + work_of_whole(&pilot)?;
     Ok(all * USUAL_COST_S / jobs as f64)
 }
 
