@@ -6,15 +6,15 @@
 use glam::DVec3;
 
 use crate::contact::model::ContactLaw;
-use crate::contact_stage::{CHUNK, Collect, PIECE, Sums};
+use crate::contact_stage::CHUNK;
 use crate::energy::Flow;
 use crate::integrate::Integrator;
 use crate::list::Turn;
 use crate::particles::Record;
-use crate::rigid::FreeRotation;
 use crate::simd::{Quad, RecordWork, on_records};
+use crate::sums::{Collect, PIECE, Sums};
 use crate::threads::cut;
-use crate::world::{BodyYield, Make, Members, SPHERE, World};
+use crate::world::{BodyYield, Make, Members, World};
 
 /// What is done with the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -170,38 +170,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         });
         drifts && self.scratch.body_yield.iter().any(|y| y.moved_far)
     }
-
-    /// Turn the clumps freely between two kicks.
-    pub(crate) fn turn_clumps(&mut self) {
-        let (dt, shapes) = (self.make.dt, &self.make.shapes);
-        let b = &mut self.state.bodies;
-        let m = &mut self.state.members;
-        let torque = &b.angular_acceleration;
-        let shape = &m.shape;
-        let parts = (
-            cut(&mut m.attitude, CHUNK),
-            cut(&mut b.mean_spin, CHUNK),
-            cut(&mut m.end_spin, CHUNK),
-            cut(&mut b.angular_memory, CHUNK),
-        );
-        let count = shape.len().div_ceil(CHUNK);
-        self.team.each(count, parts, |c, (attitude, mean_spin, end_spin, momentum)| {
-            for k in 0..attitude.len() {
-                let g = c * CHUNK + k;
-                if shape[g] == SPHERE {
-                    continue;
-                }
-                let moments = shapes[shape[g] as usize].moments;
-                let half = momentum[k].vector() + torque[g].vector() * (0.5 * dt);
-                let turn = FreeRotation::turn(moments, attitude[k], half, dt);
-                attitude[k] = turn.orientation;
-                momentum[k].set(half);
-                mean_spin[k].set(turn.mean_spin);
-                let end = half + torque[g].vector() * (0.5 * dt);
-                end_spin[k].set(spin_of(end, turn.orientation, moments));
-            }
-        });
-    }
 }
 
 impl<M> Kick<'_, M> {
@@ -261,11 +229,9 @@ impl<M> Kick<'_, M> {
                 w.with_scalar_of(spin).store(&mut run.spin[k]);
                 remember::<Q, I>(run.turn, k, memory);
             } else {
-                let m = self.members;
+                // Its spin follows from that where anybody asks for it.
                 let momentum = run.turn[k].vector() + torque.vector() * (0.5 * dt);
                 run.turn[k].set(momentum);
-                let moments = self.make.shapes[m.shape[begin + k] as usize].moments;
-                run.spin[k].set(spin_of(momentum, m.attitude[begin + k], moments));
             }
         }
     }
@@ -344,9 +310,4 @@ fn remember<Q: Quad, I: Integrator>(records: &mut [Record], k: usize, memory: Q)
         let record = &mut records[k];
         memory.with_scalar_of(Q::load(record)).store(record);
     }
-}
-
-/// Angular velocity in the laboratory of a body with this angular momentum.
-fn spin_of(momentum: DVec3, attitude: glam::DQuat, moments: DVec3) -> DVec3 {
-    attitude * ((attitude.conjugate() * momentum) / moments)
 }

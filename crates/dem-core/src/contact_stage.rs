@@ -10,8 +10,9 @@ use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::simd::{Level, PairKernel, Run, WallRun};
+use crate::sums::PIECE;
 use crate::threads::{Stage, Team, cut};
-use crate::world::{Make, Members, Scratch, Wrenches};
+use crate::world::{Make, Scratch};
 
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
 pub(crate) const CHUNK: usize = 256;
@@ -241,9 +242,6 @@ fn wall_contacts<M: ContactLaw>(
     }
 }
 
-/// Spheres whose forces are summed at once.
-pub(crate) const PIECE: usize = 64;
-
 /// Collect the near pairs in action, and sort their ends by pieces of spheres: the place in
 /// `late`, twice, plus one for the second sphere.
 fn sort_late(s: &mut Scratch, spheres: usize) {
@@ -272,101 +270,4 @@ fn sort_late(s: &mut Scratch, spheres: usize) {
     // Each entry now holds its piece's end, which is the next one's beginning.
     start.pop();
     start.insert(0, 0);
-}
-
-/// Where spheres find the wrenches that act on them.
-#[derive(Clone, Copy)]
-pub(crate) struct Collect<'a> {
-    pub(crate) pairs: &'a PairList,
-    pub(crate) walls: &'a WallList,
-    pub(crate) w: &'a Wrenches,
-    pub(crate) late_start: &'a [u32],
-    pub(crate) late_ends: &'a [u32],
-}
-
-/// Forces and torques on up to `PIECE` spheres (or bodies).
-pub(crate) struct Sums {
-    pub(crate) force: [Record; PIECE],
-    pub(crate) torque: [Record; PIECE],
-}
-
-impl Sums {
-    pub(crate) const ZERO: Self =
-        Self { force: [Record::ZERO; PIECE], torque: [Record::ZERO; PIECE] };
-
-    fn clear(&mut self, count: usize) {
-        self.force[..count].fill(Record::ZERO);
-        self.torque[..count].fill(Record::ZERO);
-    }
-}
-
-impl Collect<'_> {
-    /// Forces and torques on the spheres from `begin` to `end`, at most a piece.
-    ///
-    /// The order of summation for a sphere is always the same: near pairs, touching pairs in
-    /// which it is the first, those in which it is the second, walls. The loops run over contacts
-    /// and have no branch.
-    #[inline(always)]
-    pub(crate) fn spheres(&self, begin: usize, end: usize, sums: &mut Sums) {
-        sums.clear(end - begin);
-        if begin == end {
-            return;
-        }
-        let Sums { force, torque } = sums;
-        let (p, w) = (self.pairs, self.w);
-        let place = |sphere: u32| (sphere as usize).wrapping_sub(begin) % PIECE;
-        let pieces = begin / PIECE..(end - 1) / PIECE + 1;
-        let late = self.late_start[pieces.start] as usize..self.late_start[pieces.end] as usize;
-        for &l in &self.late_ends[late] {
-            let late = &w.late[(l / 2) as usize];
-            let (sphere, f, t) = if l & 1 == 0 {
-                (late.first, late.wrench.force, late.wrench.torque_on_first)
-            } else {
-                (late.second, -late.wrench.force, late.wrench.torque_on_second)
-            };
-            if (begin..end).contains(&(sphere as usize)) {
-                force[place(sphere)].add(f);
-                torque[place(sphere)].add(t);
-            }
-        }
-        let own = p.touching_start[begin] as usize..p.touching_start[end] as usize;
-        let wrenches = w.pair_force[own.clone()].iter().zip(&w.pair_torque_first[own.clone()]);
-        for (&a, (f, t)) in p.first[own].iter().zip(wrenches) {
-            let k = place(a);
-            force[k] = force[k].plus(f);
-            torque[k] = torque[k].plus(t);
-        }
-        let own = p.second_start[begin] as usize..p.second_start[end] as usize;
-        for &[pair, b] in &p.by_second[own] {
-            let (pair, k) = (pair as usize, place(b));
-            force[k] = force[k].minus(&w.pair_force[pair]);
-            torque[k] = torque[k].plus(&w.pair_torque_second[pair]);
-        }
-        let own = self.walls.start[begin] as usize..self.walls.start[end] as usize;
-        let wrenches = w.wall_force[own.clone()].iter().zip(&w.wall_torque[own.clone()]);
-        for (&a, (f, t)) in self.walls.sphere[own].iter().zip(wrenches) {
-            let k = place(a);
-            force[k] = force[k].plus(f);
-            torque[k] = torque[k].plus(t);
-        }
-    }
-
-    /// Forces and torques about their centres on the bodies of several spheres from `begin` to
-    /// `end`, at most a piece.
-    pub(crate) fn bodies(&self, m: &Members, begin: usize, end: usize, sums: &mut Sums) {
-        sums.clear(end - begin);
-        let mut own = Sums::ZERO;
-        let (mut next, last) = (m.first[begin] as usize, m.first[end] as usize);
-        while next < last {
-            let stop = (next + PIECE).min(last);
-            self.spheres(next, stop, &mut own);
-            for sphere in next..stop {
-                let k = m.body[sphere] as usize - begin;
-                let (f, t) = (&own.force[sphere - next], &own.torque[sphere - next]);
-                sums.force[k].add(f.vector());
-                sums.torque[k].add(t.vector() + m.arm[sphere].vector().cross(f.vector()));
-            }
-            next = stop;
-        }
-    }
 }

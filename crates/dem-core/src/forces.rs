@@ -14,7 +14,7 @@ use crate::material::MaterialId;
 use crate::neighbour::Period;
 use crate::neighbour::verlet_list::{LANES, memory_index, memory_of};
 use crate::noncontact::Separation;
-use crate::particles::Record;
+use crate::spheres::SphereView;
 
 /// Most numbers that a contact may remember.
 pub(crate) const MAX_SLOTS: usize = 48;
@@ -22,19 +22,6 @@ pub(crate) const MAX_SLOTS: usize = 48;
 /// Marks of a pair: its bodies touch (or hang together by a neck); they act across a gap.
 pub(crate) const TOUCHES: u8 = 1;
 pub(crate) const PULLS: u8 = 2;
-
-/// What contacts gather from their spheres.
-#[derive(Clone, Copy)]
-pub(crate) struct SphereView<'a> {
-    /// Centre; radius.
-    pub(crate) position: &'a [Record],
-    /// Mean velocity of the step; mass of the body.
-    pub(crate) mean_velocity: &'a [Record],
-    /// Mean angular velocity of the step; material.
-    pub(crate) mean_spin: &'a [Record],
-    /// Velocity foretold for now; charge.
-    pub(crate) end_velocity: &'a [Record],
-}
 
 /// Everything that a contact kernel reads.
 #[derive(Clone, Copy)]
@@ -148,7 +135,8 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let s = &self.spheres;
         let (i, j) = (a as usize, b as usize);
         let (pi, pj) = (s.position[i], s.position[j]);
-        let (vi, vj) = (s.mean_velocity[i], s.mean_velocity[j]);
+        let (bi, bj) = (s.body(i), s.body(j));
+        let (vi, vj) = (s.mean_velocity[bi], s.mean_velocity[bj]);
         let d = Period::shortest(self.period, pj.vector() - pi.vector());
         let distance = d.length();
         let pair = PairGeometry {
@@ -161,10 +149,10 @@ impl<M: ContactLaw> Contacts<'_, M> {
             normal_i_to_j: d / distance,
             gap: distance - pi.w - pj.w,
             distance,
-            charge_i: s.end_velocity[i].w,
-            charge_j: s.end_velocity[j].w,
+            charge_i: s.end_velocity[bi].w,
+            charge_j: s.end_velocity[bj].w,
         };
-        let materials = [s.mean_spin[i].w, s.mean_spin[j].w];
+        let materials = [s.mean_spin[bi].w, s.mean_spin[bj].w];
         let pull = self.across(materials, &pair, &separation, contact, active, memory, into);
         pulled(touch, pull)
     }
@@ -236,8 +224,9 @@ impl<M: ContactLaw> Contacts<'_, M> {
         }
         let distance = distance_squared.sqrt();
         let overlap = touching - distance;
-        let (vi, vj) = (s.mean_velocity[i], s.mean_velocity[j]);
-        let (wi, wj) = (s.mean_spin[i], s.mean_spin[j]);
+        let (mi, mj) = (s.motion(i), s.motion(j));
+        let (vi, vj) = (mi.mean_velocity, mj.mean_velocity);
+        let (wi, wj) = (mi.mean_spin, mj.mean_spin);
         let law = self.law(wi.w, wj.w);
         let pair = PairGeometry {
             r_star: pi.w * pj.w / touching,
@@ -261,7 +250,7 @@ impl<M: ContactLaw> Contacts<'_, M> {
         // Slip is that of the middle of the step, and so are its levers.
         let back = (0.25 * self.dt) * approach.dot(n);
         let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
-        let end = s.end_velocity[i].vector() - s.end_velocity[j].vector();
+        let end = mi.end_velocity.vector() - mj.end_velocity.vector();
         let motion = Kinematics {
             normal_i_to_j: n,
             overlap,
@@ -305,17 +294,17 @@ impl<M: ContactLaw> Contacts<'_, M> {
         }
         let s = &self.spheres;
         let i = a as usize;
-        let radius = s.position[i].w;
-        let pair = wall_pair(radius, s.mean_velocity[i].w, nearest);
+        let (radius, body) = (s.position[i].w, s.body(i));
+        let pair = wall_pair(radius, s.mean_velocity[body].w, nearest);
         let separation = Separation {
             normal_i_to_j: nearest.normal_to_wall,
             gap: nearest.distance - radius,
             distance: nearest.distance,
-            charge_i: s.end_velocity[i].w,
+            charge_i: s.end_velocity[body].w,
             charge_j: 0.0,
         };
         let wall = &self.walls[w as usize];
-        let materials = [s.mean_spin[i].w, f64::from(wall.material.0)];
+        let materials = [s.mean_spin[body].w, f64::from(wall.material.0)];
         let pull = self.across(materials, &pair, &separation, contact, active, memory, into);
         if let (true, Some(pull)) = (self.ledger, pull) {
             let point = s.position[i].vector() + nearest.normal_to_wall * nearest.distance;
@@ -350,8 +339,9 @@ impl<M: ContactLaw> Contacts<'_, M> {
             return None;
         }
         let wall = &self.walls[w as usize];
-        let law = self.law(s.mean_spin[i].w, f64::from(wall.material.0));
-        let pair = wall_pair(radius, s.mean_velocity[i].w, nearest);
+        let own = s.motion(i);
+        let law = self.law(own.mean_spin.w, f64::from(wall.material.0));
+        let pair = wall_pair(radius, own.mean_velocity.w, nearest);
         if overlap <= 0.0 && -overlap > law.reach(&pair) {
             *active &= !TOUCHES;
             memory.own::<M::Memory>(contact).fill(0.0);
@@ -364,9 +354,9 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let n = nearest.normal_to_wall;
         let lever_i = nearest.distance;
         let point = s.position[i].vector() + n * nearest.distance;
-        let wi = s.mean_spin[i].vector();
+        let wi = own.mean_spin.vector();
         let spin = wall.mean_velocity.spin;
-        let approach = s.mean_velocity[i].vector() - wall.mean_velocity.at(point);
+        let approach = own.mean_velocity.vector() - wall.mean_velocity.at(point);
         // Slip is that of the middle of the step, and so is its lever.
         let back = 0.5 * self.dt * approach.dot(n);
         let relative = approach + (wi * (lever_i + back)).cross(n);
@@ -374,7 +364,7 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let motion = Kinematics {
             normal_i_to_j: n,
             overlap,
-            overlap_rate: (s.end_velocity[i].vector() - wall_end).dot(n),
+            overlap_rate: (own.end_velocity.vector() - wall_end).dot(n),
             slip_velocity: relative - n * relative.dot(n),
             spin_i: wi,
             spin_j: spin,

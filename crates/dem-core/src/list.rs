@@ -45,7 +45,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         self.find_pairs();
         let slots = self.make.slots;
-        let spheres = self.spheres().position.len();
+        let spheres = self.sphere_positions().len();
         let (state, s) = (&mut self.state, &mut self.scratch);
         std::mem::swap(&mut state.pairs, &mut s.old_pairs);
         std::mem::swap(&mut state.wall_list, &mut s.old_walls);
@@ -211,9 +211,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         m.first.push(m.id.len() as u32);
-        for v in [&mut m.position, &mut m.mean_velocity, &mut m.mean_spin, &mut m.end_velocity] {
-            v.resize(m.id.len(), Record::default());
-        }
+        m.position.resize(m.id.len(), Record::default());
         m.end_spin.resize(b.len(), Record::default());
     }
 
@@ -252,7 +250,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let slots = self.make.slots;
         let mut list = std::mem::take(&mut self.state.wall_list);
         list.clear(slots);
-        let position = self.spheres().position;
+        let position = self.sphere_positions();
         for (k, p) in position.iter().enumerate() {
             list.start.push(list.len() as u32);
             for (w, wall) in self.scratch.placed.iter().enumerate() {

@@ -133,7 +133,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
-const MAGIC: u64 = u64::from_le_bytes(*b"demcore2");
+const MAGIC: u64 = u64::from_le_bytes(*b"demcore3");
 
 impl Snapshot {
     /// The snapshot as bytes: little-endian numbers behind a version mark, with a checksum.
@@ -223,14 +223,7 @@ impl Snapshot {
         for x in [&mut m.id, &mut m.body, &mut m.first, &mut m.shape, &mut m.first_id] {
             v.visit(x);
         }
-        for x in [
-            &mut m.arm,
-            &mut m.position,
-            &mut m.mean_velocity,
-            &mut m.mean_spin,
-            &mut m.end_velocity,
-            &mut m.end_spin,
-        ] {
+        for x in [&mut m.arm, &mut m.position, &mut m.end_spin] {
             v.visit(x);
         }
         v.visit(&mut m.attitude);

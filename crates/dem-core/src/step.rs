@@ -1,17 +1,13 @@
 //! The time loop on one screen, and its stages.
 
-use glam::{DMat3, DVec3};
-
 use crate::body_stage::Halves;
 use crate::contact::model::ContactLaw;
-use crate::contact_stage::{CHUNK, all_contacts};
+use crate::contact_stage::all_contacts;
 use crate::energy::Flow;
 use crate::error::Error;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
-use crate::particles::Record;
-use crate::threads::cut_groups;
-use crate::world::{SPHERE, World, sphere_view};
+use crate::world::{World, sphere_view};
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Advance by `steps` time steps.
@@ -23,10 +19,18 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         team.enter(|| {
             self.prepare()?;
             let mut drifted = None;
+            let mut result = Ok(());
             for left in (0..steps).rev() {
-                drifted = self.advance(drifted, left > 0)?;
+                match self.advance(drifted, left > 0) {
+                    Ok(d) => drifted = d,
+                    Err(e) => {
+                        result = Err(e);
+                        break;
+                    }
+                }
             }
-            Ok(())
+            self.spin_clumps();
+            result
         })
     }
 
@@ -36,9 +40,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let dt = self.make.dt;
         let moved_far = drifted.unwrap_or_else(|| {
             let moved_far = self.move_bodies(Halves::Drift);
-            if self.has_clumps() {
-                self.turn_clumps();
-            }
+            self.turn_clumps();
             moved_far
         });
         self.state.step += 1;
@@ -50,11 +52,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.contact_forces(dt);
         let overlaps = self.check_overlaps();
         // A ledger and a fault look at the world between two steps.
-        if more && overlaps.is_ok() && !self.ledger_wanted && !self.has_clumps() {
-            return Ok(Some(self.move_bodies(Halves::KickAndDrift)));
+        if more && overlaps.is_ok() && !self.ledger_wanted {
+            let moved_far = self.move_bodies(Halves::KickAndDrift);
+            self.turn_clumps();
+            return Ok(Some(moved_far));
         }
         self.move_bodies(Halves::Kick);
         if self.ledger_wanted {
+            self.spin_clumps();
             self.book(dt);
         }
         overlaps.map(|()| None)
@@ -104,59 +109,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
     }
 
-    /// Put the spheres of clumps where their bodies are.
-    pub(crate) fn place_members(&mut self) {
-        if !self.has_clumps() {
-            return;
-        }
-        let (level, shapes) = (self.make.level, &self.make.shapes);
-        let dt = if self.state.forces_stale { 0.0 } else { self.make.dt };
-        let (b, m) = (&self.state.bodies, &mut self.state.members);
-        let (first, attitude, end_spin, shape) = (&m.first, &m.attitude, &m.end_spin, &m.shape);
-        let parts = (
-            cut_groups(&mut m.arm, first, CHUNK),
-            cut_groups(&mut m.position, first, CHUNK),
-            cut_groups(&mut m.mean_velocity, first, CHUNK),
-            cut_groups(&mut m.mean_spin, first, CHUNK),
-            cut_groups(&mut m.end_velocity, first, CHUNK),
-        );
-        let count = b.len().div_ceil(CHUNK);
-        self.team.each(count, parts, |c, (arms, places, velocities, spins, ends)| {
-            let bodies = c * CHUNK..((c + 1) * CHUNK).min(b.len());
-            let offset = first[bodies.start] as usize;
-            crate::simd::widened(
-                level,
-                #[inline(always)]
-                || {
-                    for body in bodies {
-                        let (mean_spin, end_spin) = (b.mean_spin[body], end_spin[body]);
-                        let (turning, turning_end) = (mean_spin.vector(), end_spin.vector());
-                        let (x, v, v_end) =
-                            (b.position[body], b.mean_velocity[body], b.end_velocity[body]);
-                        let spheres = match shape[body] {
-                            SPHERE => &[][..],
-                            shape => &shapes[shape as usize].spheres[..],
-                        };
-                        let turn = DMat3::from_quat(attitude[body]);
-                        let run = first[body] as usize - offset..first[body + 1] as usize - offset;
-                        for (nth, s) in run.enumerate() {
-                            let radius = arms[s].w;
-                            let arm = spheres.get(nth).map_or(DVec3::ZERO, |s| turn * s.centre);
-                            // The mean of the arms at both ends of the step, which the mean spin
-                            // turns.
-                            let middle = arm - turning.cross(arm) * (0.5 * dt);
-                            arms[s] = Record::new(arm, radius);
-                            places[s] = Record::new(x.vector() + arm, radius);
-                            velocities[s] = Record::new(v.vector() + turning.cross(middle), v.w);
-                            spins[s] = mean_spin;
-                            ends[s] = Record::new(v_end.vector() + turning_end.cross(arm), v_end.w);
-                        }
-                    }
-                },
-            );
-        });
-    }
-
     /// All contacts: their wrenches go to buffers, in which spheres find them later.
     pub(crate) fn contact_forces(&mut self, dt: f64) {
         let clumps = self.has_clumps();
@@ -168,7 +120,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut context = {
             let make = &self.make;
             crate::forces::Contacts {
-                spheres: sphere_view(&self.state, clumps),
+                spheres: sphere_view(&self.state, clumps, dt),
                 walls: &placed,
                 laws: &make.laws,
                 materials: make.materials.len(),
@@ -196,7 +148,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             dt,
             overlap_limit: context.overlap_limit,
             fast_roots,
-            features: crate::simd::Features::of(all),
+            features: crate::simd::Features::of(all, clumps),
         });
         let vector = vector.as_ref().map(|kernel| (level, kernel));
         // With fast roots a copy of the contacts is booked, and the contacts go their own way.

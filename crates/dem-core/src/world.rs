@@ -8,7 +8,7 @@ use crate::body_force::{Drag, Gravity};
 use crate::contact::model::ContactLaw;
 use crate::energy::{Energy, Flow, Ledger};
 use crate::error::Error;
-use crate::forces::{ChunkYield, Late, SphereView, TOUCHES};
+use crate::forces::{ChunkYield, Late, TOUCHES};
 use crate::gap_force::GapForce;
 use crate::geometry::{Motion, MotionState, PlacedWall, Wall};
 use crate::integrate::{Integrator, VelocityVerlet};
@@ -19,6 +19,7 @@ use crate::neighbour::verlet_list::{Found, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::{Bodies, ParticleId, Record};
 use crate::rigid::Clump;
+use crate::spheres::{ClumpView, SphereView};
 use crate::threads::Team;
 
 /// State of everything that moves.
@@ -67,9 +68,6 @@ pub(crate) struct Members {
     /// From the body's centre to the sphere's, laboratory frame; the radius.
     pub(crate) arm: Vec<Record>,
     pub(crate) position: Vec<Record>,
-    pub(crate) mean_velocity: Vec<Record>,
-    pub(crate) mean_spin: Vec<Record>,
-    pub(crate) end_velocity: Vec<Record>,
     /// Angular velocity foretold for the end of the step, of each body.
     pub(crate) end_spin: Vec<Record>,
     /// Number of the clump's shape for each body; `SPHERE` for a single sphere.
@@ -392,7 +390,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 continue;
             }
             let force = -self.scratch.wrenches.wall_force[entry].vector();
-            let centre = self.spheres().position[list.sphere[entry] as usize].vector();
+            let centre = self.sphere_positions()[list.sphere[entry] as usize].vector();
             let about_centre = self.scratch.wrenches.wall_torque_on_wall[entry].vector();
             load.force += force;
             load.torque += (centre - about).cross(force) + about_centre;
@@ -474,27 +472,21 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         !self.make.shapes.is_empty()
     }
 
-    pub(crate) fn spheres(&self) -> SphereView<'_> {
-        sphere_view(&self.state, self.has_clumps())
+    /// Centres and radii of all spheres.
+    pub(crate) fn sphere_positions(&self) -> &[Record] {
+        if self.has_clumps() { &self.state.members.position } else { &self.state.bodies.position }
     }
 }
 
-/// The spheres that contacts see: the bodies themselves, or the members of clumps.
-pub(crate) fn sphere_view(state: &State, clumps: bool) -> SphereView<'_> {
+/// The spheres that contacts see: the bodies themselves, or the members of clumps, which turned for `dt`.
+pub(crate) fn sphere_view(state: &State, clumps: bool, dt: f64) -> SphereView<'_> {
     let (b, m) = (&state.bodies, &state.members);
-    if clumps {
-        SphereView {
-            position: &m.position,
-            mean_velocity: &m.mean_velocity,
-            mean_spin: &m.mean_spin,
-            end_velocity: &m.end_velocity,
-        }
-    } else {
-        SphereView {
-            position: &b.position,
-            mean_velocity: &b.mean_velocity,
-            mean_spin: &b.mean_spin,
-            end_velocity: &b.end_velocity,
-        }
+    let view = ClumpView { body: &m.body, arm: &m.arm, end_spin: &m.end_spin, dt };
+    SphereView {
+        position: if clumps { &m.position } else { &b.position },
+        mean_velocity: &b.mean_velocity,
+        mean_spin: &b.mean_spin,
+        end_velocity: &b.end_velocity,
+        clumps: clumps.then_some(view),
     }
 }

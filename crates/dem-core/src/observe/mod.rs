@@ -155,7 +155,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 
     fn pair_contact(&self, first: u32, second: u32, force: DVec3) -> Contact {
-        let position = self.spheres().position;
+        let position = self.sphere_positions();
         let (i, j) = (self.owner(first), self.owner(second));
         let b = &self.state.bodies;
         let (xi, xj) = (position[first as usize].vector(), position[second as usize].vector());
@@ -179,7 +179,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (sphere, w) = (list.sphere[entry], list.wall[entry] as usize);
         let body = self.owner(sphere);
         let b = &self.state.bodies;
-        let x = self.spheres().position[sphere as usize].vector();
+        let x = self.sphere_positions()[sphere as usize].vector();
         let wall = &self.scratch.placed[w];
         let mesh = || self.scratch.mesh_nearest.get(entry).copied().flatten();
         let nearest = wall.nearest(x).or_else(mesh);

@@ -5,3 +5,4 @@ mod rotation;
 
 pub use clump::{Clump, ClumpSpec, ClumpSphere, PlacedClump};
 pub use rotation::FreeRotation;
+pub(crate) use rotation::{axes_of, free_turn, spin_of};

@@ -11,6 +11,8 @@
 
 use glam::{DQuat, DVec3};
 
+use crate::simd::{Mask as _, Numbers, V3};
+
 /// One free turn of a rigid body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeRotation {
@@ -47,49 +49,135 @@ impl FreeRotation {
         angular_momentum: DVec3,
         dt: f64,
     ) -> FreeRotation {
-        let inverse = moments.recip();
-        let start = orientation.conjugate() * angular_momentum;
-        let middle = middle_momentum(inverse, start, dt);
-        let spin = middle * inverse;
-        let half = spin * (0.5 * dt);
-        let step = DQuat::from_xyzw(half.x, half.y, half.z, 1.0);
+        let one = |v: DVec3| V3 { x: v.x, y: v.y, z: v.z };
+        let q = orientation;
+        let turn = free_turn(one(moments.recip()), [q.x, q.y, q.z, q.w], one(angular_momentum), dt);
+        let ([x, y, z, w], spin) = (turn.attitude, turn.mean_spin);
         FreeRotation {
-            mean_spin: orientation * spin,
-            orientation: (orientation * step).normalize(),
+            mean_spin: DVec3::new(spin.x, spin.y, spin.z),
+            orientation: DQuat::from_xyzw(x, y, z, w),
         }
     }
 }
 
-/// The middle momentum in the body's frame, from that at the start.
-fn middle_momentum(inverse: DVec3, start: DVec3, dt: f64) -> DVec3 {
-    let limit = CONVERGED * start.length_squared();
+/// Free turns of one body, or of several side by side.
+pub(crate) struct FreeTurn<V> {
+    /// Attitude after the turn: vector, then scalar.
+    pub(crate) attitude: [V; 4],
+    /// As in [`FreeRotation`].
+    pub(crate) mean_spin: V3<V>,
+}
+
+/// [`FreeRotation::turn`]; of the moments the inverse is given.
+#[inline(always)]
+pub(crate) fn free_turn<V: Numbers>(
+    inverse: V3<V>,
+    attitude: [V; 4],
+    angular_momentum: V3<V>,
+    dt: f64,
+) -> FreeTurn<V> {
+    let start = turned_back(attitude, angular_momentum);
+    let spin = middle_momentum(inverse, start, dt).times(inverse);
+    let half = spin * V::splat(0.5 * dt);
+    let [x, y, z, w] = attitude;
+    let own = V3 { x, y, z };
+    let (v, w) = (own + half * w + own.cross(half), w - own.dot(half));
+    let size = V::splat(1.0) / (v.dot(v) + w * w).sqrt();
+    let v = v * size;
+    FreeTurn { attitude: [v.x, v.y, v.z, w * size], mean_spin: turned(attitude, spin) }
+}
+
+/// Angular velocity in the laboratory of bodies with this angular momentum.
+#[inline(always)]
+pub(crate) fn spin_of<V: Numbers>(
+    inverse: V3<V>,
+    attitude: [V; 4],
+    angular_momentum: V3<V>,
+) -> V3<V> {
+    turned(attitude, turned_back(attitude, angular_momentum).times(inverse))
+}
+
+/// A vector of the body in the laboratory.
+#[inline(always)]
+fn turned<V: Numbers>([x, y, z, w]: [V; 4], v: V3<V>) -> V3<V> {
+    let own = V3 { x, y, z };
+    let across = own.cross(v) * V::splat(2.0);
+    v + across * w + own.cross(across)
+}
+
+/// A vector of the laboratory in the body.
+#[inline(always)]
+fn turned_back<V: Numbers>([x, y, z, w]: [V; 4], v: V3<V>) -> V3<V> {
+    turned([-x, -y, -z, w], v)
+}
+
+/// Directions of the axes of bodies with these attitudes.
+#[inline(always)]
+pub(crate) fn axes_of<V: Numbers>([x, y, z, w]: [V; 4]) -> [V3<V>; 3] {
+    let one = V::splat(1.0);
+    let (x2, y2, z2) = (x + x, y + y, z + z);
+    let (xx, xy, xz) = (x * x2, x * y2, x * z2);
+    let (yy, yz, zz) = (y * y2, y * z2, z * z2);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    [
+        V3 { x: one - (yy + zz), y: xy + wz, z: xz - wy },
+        V3 { x: xy - wz, y: one - (xx + zz), z: yz + wx },
+        V3 { x: xz + wy, y: yz - wx, z: one - (xx + yy) },
+    ]
+}
+
+/// The middle momentum in the body's frame, from that at the start. Bodies side by side stop each
+/// when it has converged, so that what is beside a body does not matter to it.
+#[inline(always)]
+fn middle_momentum<V: Numbers>(inverse: V3<V>, start: V3<V>, dt: f64) -> V3<V> {
+    let limit = V::splat(CONVERGED) * start.dot(start);
+    let half = V::splat(0.5 * dt);
     let mut middle = start;
+    let mut open = V::splat(0.0).less(V::splat(1.0));
     for _ in 0..SWEEPS {
-        let next = start + middle.cross(middle * inverse) * (0.5 * dt);
-        let change = (next - middle).length_squared();
-        middle = next;
-        if change <= limit {
+        let next = start + middle.cross(middle.times(inverse)) * half;
+        let change = next - middle;
+        middle = next.select(open, middle);
+        open = open & limit.less(change.dot(change));
+        if open.is_empty() {
             return middle;
         }
     }
-    // A fast turn: rotations keep the length of the momentum, so the sweeps stay bounded.
+    fast_turn(inverse, start, half, limit, middle, open)
+}
+
+/// The same for fast turns, which are `open` yet: rotations keep the length of the momentum, so the
+/// sweeps stay bounded.
+#[cold]
+fn fast_turn<V: Numbers>(
+    inverse: V3<V>,
+    start: V3<V>,
+    half: V,
+    limit: V,
+    middle: V3<V>,
+    open: V::Mask,
+) -> V3<V> {
     let mut end = start;
+    let mut left = open;
     for _ in 0..MOST_SWEEPS {
-        let rotated = cayley_back((start + end) * 0.5 * inverse * (0.5 * dt), start);
-        let change = (rotated - end).length_squared();
-        end = rotated;
-        if change <= limit {
+        let spin = ((start + end) * V::splat(0.5)).times(inverse);
+        let rotated = cayley_back(spin * half, start);
+        let change = rotated - end;
+        end = rotated.select(left, end);
+        left = left & limit.less(change.dot(change));
+        if left.is_empty() {
             break;
         }
     }
-    (start + end) * 0.5
+    ((start + end) * V::splat(0.5)).select(open, middle)
 }
 
 /// `cay(-2 half) v`: rotate `v` back by the Cayley transform of `half = dt omega / 2`.
-fn cayley_back(half: DVec3, v: DVec3) -> DVec3 {
+#[inline(always)]
+fn cayley_back<V: Numbers>(half: V3<V>, v: V3<V>) -> V3<V> {
     // (1 + h^)^-1 (1 - h^) v in closed form, with h^ w = h x w.
-    let denominator = 1.0 + half.length_squared();
-    v - (half.cross(v) - half.cross(half.cross(v))) * (2.0 / denominator)
+    let denominator = V::splat(1.0) + half.dot(half);
+    v - (half.cross(v) - half.cross(half.cross(v))) * (V::splat(2.0) / denominator)
 }
 
 #[cfg(test)]
@@ -119,7 +207,9 @@ mod tests {
         let energy = |pi: DVec3| 0.5 * pi.dot(pi / moments);
         for dt in [0.05, 0.2, 0.5, 1.0] {
             let start = DVec3::new(0.3, 2.0, 0.1);
-            let middle = middle_momentum(moments.recip(), start, dt);
+            let one = |v: DVec3| V3 { x: v.x, y: v.y, z: v.z };
+            let middle = middle_momentum(one(moments.recip()), one(start), dt);
+            let middle = DVec3::new(middle.x, middle.y, middle.z);
             let end = middle * 2.0 - start;
             // The iteration ends within 1e-16 of the momentum; ten roundings are allowed for.
             assert!((energy(end) / energy(start) - 1.0).abs() < 1e-14, "{dt}");

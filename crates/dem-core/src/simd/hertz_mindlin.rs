@@ -22,6 +22,8 @@ pub(crate) struct Features {
     /// Friction falls once any contact slides.
     stick_slip: bool,
     form: Form,
+    /// Spheres sit on clumps.
+    clumps: bool,
 }
 
 impl Features {
@@ -30,14 +32,16 @@ impl Features {
         cohesive: false,
         stick_slip: false,
         form: Form { total_spring: false, absolute_spin: false },
+        clumps: false,
     };
 
     /// Those of a table of laws.
-    pub(crate) fn of(all: &[Constants]) -> Self {
+    pub(crate) fn of(all: &[Constants], clumps: bool) -> Self {
         Self {
             cohesive: all.iter().any(|c| c.energy_density > 0.0),
             stick_slip: all.iter().any(|c| c.kinetic != c.friction),
             form: all.first().map_or_else(Form::default, |c| c.form),
+            clumps,
         }
     }
 }

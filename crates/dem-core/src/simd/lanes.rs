@@ -6,7 +6,7 @@ use crate::neighbour::Period;
 use crate::particles::Record;
 
 /// Numbers side by side, on which laws are written once.
-pub(super) trait Numbers:
+pub(crate) trait Numbers:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -32,7 +32,7 @@ pub(super) trait Numbers:
 }
 
 /// Bits of lanes.
-pub(super) trait Mask:
+pub(crate) trait Mask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 {
     /// Whether no bit is set.
@@ -43,6 +43,50 @@ impl Mask for u8 {
     #[inline(always)]
     fn is_empty(self) -> bool {
         self == 0
+    }
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn is_empty(self) -> bool {
+        !self
+    }
+}
+
+/// One number by itself.
+impl Numbers for f64 {
+    type Mask = bool;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        1.0 / self.sqrt()
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if other < self { self } else { other }
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn select(self, mask: bool, other: Self) -> Self {
+        if mask { self } else { other }
     }
 }
 
@@ -100,15 +144,15 @@ fn shortest<V: Numbers>(x: V, length: f64) -> V {
 
 /// Three vectors of lanes.
 #[derive(Clone, Copy)]
-pub(super) struct V3<V> {
-    pub(super) x: V,
-    pub(super) y: V,
-    pub(super) z: V,
+pub(crate) struct V3<V> {
+    pub(crate) x: V,
+    pub(crate) y: V,
+    pub(crate) z: V,
 }
 
 impl<V: Numbers> V3<V> {
     #[inline(always)]
-    pub(super) fn of(f: [V; 4]) -> Self {
+    pub(crate) fn of(f: [V; 4]) -> Self {
         Self { x: f[0], y: f[1], z: f[2] }
     }
 
@@ -118,17 +162,23 @@ impl<V: Numbers> V3<V> {
     }
 
     #[inline(always)]
-    pub(super) fn dot(self, o: Self) -> V {
+    pub(crate) fn dot(self, o: Self) -> V {
         self.x * o.x + self.y * o.y + self.z * o.z
     }
 
     #[inline(always)]
-    pub(super) fn cross(self, o: Self) -> Self {
+    pub(crate) fn cross(self, o: Self) -> Self {
         Self {
             x: self.y * o.z - o.y * self.z,
             y: self.z * o.x - o.z * self.x,
             z: self.x * o.y - o.x * self.y,
         }
+    }
+
+    /// Component by component.
+    #[inline(always)]
+    pub(crate) fn times(self, o: Self) -> Self {
+        Self { x: self.x * o.x, y: self.y * o.y, z: self.z * o.z }
     }
 
     /// The shortest image along the periodic axis, as [`Period::shortest`] finds it for places that
@@ -144,7 +194,7 @@ impl<V: Numbers> V3<V> {
     }
 
     #[inline(always)]
-    pub(super) fn select(self, mask: V::Mask, other: Self) -> Self {
+    pub(crate) fn select(self, mask: V::Mask, other: Self) -> Self {
         Self {
             x: self.x.select(mask, other.x),
             y: self.y.select(mask, other.y),

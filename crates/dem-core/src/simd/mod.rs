@@ -9,6 +9,7 @@
 mod acting;
 mod avx;
 mod blocks;
+mod clumps;
 mod hertz_mindlin;
 mod lanes;
 mod pairs;
@@ -16,8 +17,9 @@ mod wall;
 
 use std::any::Any;
 
+pub(crate) use clumps::{Placing, Turning};
 pub(crate) use hertz_mindlin::Features;
-pub(crate) use lanes::Quad;
+pub(crate) use lanes::{Mask, Numbers, Quad, V3};
 pub(crate) use pairs::{PairKernel, Run};
 pub(crate) use wall::WallRun;
 

@@ -6,9 +6,10 @@ use super::blocks::{Blocks, MOST, Two};
 use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
 use super::lanes::{Lanes, V3, fours};
 use super::{Constants, Level};
-use crate::forces::{ChunkYield, SphereView};
+use crate::forces::ChunkYield;
 use crate::list::lowest_bits;
 use crate::particles::Record;
+use crate::spheres::{ClumpView, SphereView};
 
 /// A run of touching pairs, in whole blocks.
 pub(crate) struct Run<'a> {
@@ -236,15 +237,19 @@ impl PairKernel<'_> {
         };
         let overlap = sum - distance;
         // SAFETY: by the caller.
-        let (approach, [mi, mj]) =
-            unsafe { difference::<V>(s.mean_velocity, b.first, b.second, mass) };
-        // SAFETY: by the caller.
-        let (wi, wj, end) = unsafe {
-            (
-                V::quads(s.mean_spin.as_ptr().cast(), b.first),
-                V::quads(s.mean_spin.as_ptr().cast(), b.second),
-                V3::of(V::differences(s.end_velocity.as_ptr().cast(), b.first, b.second)),
-            )
+        let (approach, [mi, mj], wi, wj, end) = unsafe {
+            if let (true, Some(c)) = (MORE, &s.clumps) {
+                let (i, j) = (on_clump::<V>(s, c, b.first), on_clump::<V>(s, c, b.second));
+                let approach = V3::of(i.mean_velocity) - V3::of(j.mean_velocity);
+                let masses = [i.mean_velocity[3], j.mean_velocity[3]];
+                (approach, masses, i.mean_spin, j.mean_spin, i.end_velocity - j.end_velocity)
+            } else {
+                let (approach, masses) = difference::<V>(s.mean_velocity, b.first, b.second, mass);
+                let spins = s.mean_spin.as_ptr().cast();
+                let end = V::differences(s.end_velocity.as_ptr().cast(), b.first, b.second);
+                let (wi, wj) = (V::quads(spins, b.first), V::quads(spins, b.second));
+                (approach, masses, wi, wj, V3::of(end))
+            }
         };
         let many;
         let laws = if self.constants.len() > 1 {
@@ -292,6 +297,52 @@ impl PairKernel<'_> {
         // SAFETY: by the caller.
         unsafe { store(b.pair, sinks, touching, &out, nothing) };
         V::bits(deep)
+    }
+}
+
+/// How spheres on clumps move.
+pub(super) struct OnClump<V> {
+    /// Mean velocity and mass.
+    pub(super) mean_velocity: [V; 4],
+    /// Mean angular velocity and material.
+    pub(super) mean_spin: [V; 4],
+    pub(super) end_velocity: V3<V>,
+}
+
+/// `SphereView::motion` of spheres whose numbers begin there.
+///
+/// # Safety
+/// Every place in `at` is that of a sphere.
+#[inline(always)]
+pub(super) unsafe fn on_clump<V: Blocks>(
+    s: &SphereView<'_>,
+    c: &ClumpView<'_>,
+    at: &[[u32; 8]],
+) -> OnClump<V> {
+    let mut bodies = [[0; 8]; MOST];
+    for (of, spheres) in bodies.iter_mut().zip(at) {
+        for (body, sphere) in of.iter_mut().zip(spheres) {
+            *body = 4 * c.body[(sphere / 4) as usize];
+        }
+    }
+    let bodies = &bodies[..at.len()];
+    // SAFETY: by the caller; spheres sit on bodies.
+    let (arm, v, w, end, end_spin) = unsafe {
+        (
+            V3::of(V::quads(c.arm.as_ptr().cast(), at)),
+            V::quads(s.mean_velocity.as_ptr().cast(), bodies),
+            V::quads(s.mean_spin.as_ptr().cast(), bodies),
+            V3::of(V::quads(s.end_velocity.as_ptr().cast(), bodies)),
+            V3::of(V::quads(c.end_spin.as_ptr().cast(), bodies)),
+        )
+    };
+    let turning = V3::of(w);
+    let middle = arm - turning.cross(arm) * V::splat(0.5 * c.dt);
+    let mean = V3::of(v) + turning.cross(middle);
+    OnClump {
+        mean_velocity: [mean.x, mean.y, mean.z, v[3]],
+        mean_spin: w,
+        end_velocity: end + end_spin.cross(arm),
     }
 }
 

@@ -8,8 +8,8 @@
 use glam::DVec3;
 
 use super::hertz_mindlin::{Laws, Motion, SLOTS, respond};
-use super::lanes::{Lanes, V3};
-use super::pairs::PairKernel;
+use super::lanes::{Lanes, V3, fours};
+use super::pairs::{PairKernel, on_clump};
 use super::{Level, widened};
 use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};
@@ -148,12 +148,19 @@ impl PairKernel<'_> {
         let s = &self.spheres;
         // SAFETY: by the caller.
         let (p, v, w, end) = unsafe {
-            (
-                V::gather(s.position, &g.places),
-                V::gather(s.mean_velocity, &g.places),
-                V::gather(s.mean_spin, &g.places),
-                V::gather(s.end_velocity, &g.places),
-            )
+            let p = V::gather(s.position, &g.places);
+            match &s.clumps {
+                Some(c) => {
+                    let own = on_clump::<V>(s, c, &[fours(&g.places)]);
+                    (p, own.mean_velocity, own.mean_spin, own.end_velocity)
+                }
+                None => (
+                    p,
+                    V::gather(s.mean_velocity, &g.places),
+                    V::gather(s.mean_spin, &g.places),
+                    V3::of(V::gather(s.end_velocity, &g.places)),
+                ),
+            }
         };
         let (x, radius, mass) = (V3::of(p), p[3], v[3]);
         let near = nearest::<V>(wall, s.position, &g.places, x, g.valid);
@@ -184,7 +191,7 @@ impl PairKernel<'_> {
         let motion = Motion {
             normal: n,
             overlap,
-            rate: (V3::of(end) - velocity_at(&wall.velocity, point)).dot(n),
+            rate: (end - velocity_at(&wall.velocity, point)).dot(n),
             slip: relative - n * relative.dot(n),
             spin_i: w,
             spin_j: spin,

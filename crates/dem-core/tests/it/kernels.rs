@@ -31,6 +31,67 @@ fn simd_and_portable_kernels_agree_bit_by_bit() {
     }
 }
 
+/// Three spheres in a bent row, or two.
+fn clump(spheres: &[[f64; 3]], material: MaterialId) -> Clump {
+    let sphere = |c: &[f64; 3]| ClumpSphere { centre: DVec3::from(*c) * 1e-3, radius: 1.5e-3 };
+    ClumpSpec {
+        spheres: spheres.iter().map(sphere).collect(),
+        mass: 1e-4,
+        centre_of_mass: DVec3::new(0.2e-3, 0.1e-3, 0.0),
+        inertia: DMat3::from_diagonal(DVec3::new(1.0, 3.0, 3.5)) * 1e-10,
+        material,
+    }
+    .try_into()
+    .unwrap()
+}
+
+#[test]
+fn clumps_move_alike_by_all_kernels_threads_and_lengths_of_runs() {
+    let hashes = |kernels: Kernels, threads: usize, at_once: u64| {
+        let mut b = drum(0, 1.0, threads);
+        let bead = MaterialId(0);
+        b.kernels(kernels);
+        let shapes = [
+            clump(&[[-2.0, 0.0, 0.0], [0.0, 0.5, 0.2], [2.0, 0.0, 0.0]], bead),
+            clump(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], bead),
+        ]
+        .map(|c| b.clump_shape(c));
+        for k in 0..75 {
+            let (i, j, layer) = (k % 5, k / 5 % 5, k / 25);
+            let cell = DVec3::new(f64::from(i) - 2.0, f64::from(j) - 2.0, f64::from(layer));
+            let position = cell * 9e-3 + DVec3::Z * 6e-3;
+            if position.truncate().length() > 0.025 {
+                continue;
+            }
+            if k % 11 == 0 {
+                b.sphere(Sphere::at(position, 2e-3, bead));
+                continue;
+            }
+            let turn = DVec3::new(f64::from(k).sin(), f64::from(k).cos(), 0.4);
+            b.clump(PlacedClump {
+                shape: shapes[usize::from(k % 13 == 0)],
+                position,
+                orientation: DQuat::from_scaled_axis(turn * 2.0),
+                velocity: turn * 0.2,
+                spin: turn * 50.0,
+            });
+        }
+        let mut world = b.build().unwrap();
+        let each = |_| {
+            for _ in 0..200 / at_once {
+                world.run(at_once).unwrap();
+            }
+            world.state_hash()
+        };
+        (0..25).map(each).collect::<Vec<u64>>()
+    };
+    let portable = hashes(Kernels::Portable, 1, 200);
+    assert_eq!(portable, hashes(Kernels::Avx2, 1, 200), "AVX2");
+    assert_eq!(portable, hashes(Kernels::Fastest, 1, 200), "fastest");
+    assert_eq!(portable, hashes(Kernels::Fastest, 2, 200), "two threads");
+    assert_eq!(portable, hashes(Kernels::Fastest, 1, 1), "step by step");
+}
+
 #[test]
 fn cohesive_kernels_agree_bit_by_bit() {
     let hashes = |kernels: Kernels, energy_density: f64, ratio: f64| {

@@ -1,0 +1,370 @@
+//! Turns of clumps, and where their spheres are: eight bodies at once, by the same operations as one.
+
+use glam::{DQuat, DVec3};
+
+use super::lanes::{Lanes, Numbers, V3};
+use super::{Level, widened};
+use crate::particles::Record;
+use crate::rigid::{Clump, axes_of, free_turn, spin_of};
+use crate::world::SPHERE;
+
+/// Clumps of a chunk of bodies that turn freely.
+pub(crate) struct Turning<'a> {
+    pub(crate) shapes: &'a [Clump],
+    /// Shape of each body; single spheres are passed over.
+    pub(crate) shape: &'a [u32],
+    pub(crate) torque: &'a [Record],
+    pub(crate) attitude: &'a mut [DQuat],
+    pub(crate) mean_spin: &'a mut [Record],
+    pub(crate) end_spin: &'a mut [Record],
+    /// Angular momentum at the start, with the torque of half a step when they have turned.
+    pub(crate) momentum: &'a mut [Record],
+    /// Time step, s.
+    pub(crate) dt: f64,
+}
+
+/// What comes of a turn.
+struct Turned<V> {
+    attitude: [V; 4],
+    mean_spin: V3<V>,
+    end_spin: V3<V>,
+    momentum: V3<V>,
+}
+
+#[inline(always)]
+fn turned<V: Numbers>(
+    inverse: V3<V>,
+    attitude: [V; 4],
+    momentum: V3<V>,
+    torque: V3<V>,
+    dt: f64,
+) -> Turned<V> {
+    let kick = torque * V::splat(0.5 * dt);
+    let momentum = momentum + kick;
+    let turn = free_turn(inverse, attitude, momentum, dt);
+    let end_spin = spin_of(inverse, turn.attitude, momentum + kick);
+    Turned { attitude: turn.attitude, mean_spin: turn.mean_spin, end_spin, momentum }
+}
+
+impl Turning<'_> {
+    /// Turn them.
+    pub(crate) fn turn(mut self, level: Level) {
+        widened(
+            level,
+            #[inline(always)]
+            || match level {
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx512 => self.eights::<super::avx::Wide>(),
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx2 => self.eights::<super::avx::Pair>(),
+                _ => self.one_by_one(),
+            },
+        );
+    }
+
+    fn one_by_one(&mut self) {
+        for (k, &shape) in self.shape.iter().enumerate().filter(|s| *s.1 != SPHERE) {
+            let one = |v: DVec3| V3 { x: v.x, y: v.y, z: v.z };
+            let (q, l, t) = (self.attitude[k], &mut self.momentum[k], &self.torque[k]);
+            let inverse = one(self.shapes[shape as usize].moments.recip());
+            let of = turned(inverse, q.to_array(), one(l.vector()), one(t.vector()), self.dt);
+            let three = |v: V3<f64>| DVec3::new(v.x, v.y, v.z);
+            self.attitude[k] = DQuat::from_array(of.attitude);
+            l.set(three(of.momentum));
+            self.mean_spin[k].set(three(of.mean_spin));
+            self.end_spin[k].set(three(of.end_spin));
+        }
+    }
+
+    #[inline(always)]
+    fn eights<V: Lanes>(&mut self) {
+        let (mut group, mut count) = ([0; 8], 0);
+        for k in 0..self.shape.len() {
+            if self.shape[k] == SPHERE {
+                continue;
+            }
+            group[count] = k;
+            count += 1;
+            if count == 8 {
+                self.eight::<V>(&group);
+                count = 0;
+            }
+        }
+        if count > 0 {
+            // Lanes beyond the last repeat the first.
+            let first = group[0];
+            group[count..].fill(first);
+            self.eight::<V>(&group);
+        }
+    }
+
+    /// Turn eight; those that are there twice come to the same.
+    #[inline(always)]
+    fn eight<V: Lanes>(&mut self, group: &[usize; 8]) {
+        let inverse = columns::<V>(
+            #[inline(always)]
+            |lane| {
+                let shape = self.shape[group[lane]] as usize;
+                Record::new(self.shapes[shape].moments.recip(), 0.0)
+            },
+        );
+        let attitude = attitudes::<V>(self.attitude, group);
+        let momentum = picked::<V>(self.momentum, group);
+        let torque = picked::<V>(self.torque, group);
+        let (inverse, l) = (V3::of(inverse), V3::of(momentum));
+        let of = turned(inverse, attitude, l, V3::of(torque), self.dt);
+        let mut records = [Record::ZERO; 8];
+        V::scatter(of.attitude, &mut records);
+        for (&k, r) in group.iter().zip(&records) {
+            self.attitude[k] = DQuat::from_xyzw(r.x, r.y, r.z, r.w);
+        }
+        for (to, v) in [
+            (&mut *self.momentum, of.momentum),
+            (&mut *self.mean_spin, of.mean_spin),
+            (&mut *self.end_spin, of.end_spin),
+        ] {
+            V::scatter([v.x, v.y, v.z, V::splat(0.0)], &mut records);
+            for (&k, r) in group.iter().zip(&records) {
+                to[k] = Record { w: to[k].w, ..*r };
+            }
+        }
+    }
+}
+
+/// Spheres of a chunk of bodies that are put in their places.
+pub(crate) struct Placing<'a> {
+    pub(crate) shapes: &'a [Clump],
+    pub(crate) shape: &'a [u32],
+    pub(crate) attitude: &'a [DQuat],
+    /// Centres of the bodies.
+    pub(crate) centre: &'a [Record],
+    /// First sphere of each body, and of the one behind the last.
+    pub(crate) first: &'a [u32],
+    /// Of the spheres: from the body's centre, laboratory frame; radius.
+    pub(crate) arm: &'a mut [Record],
+    pub(crate) position: &'a mut [Record],
+}
+
+/// Where a sphere of the body's frame is, from the body's centre.
+#[inline(always)]
+fn arm<V: Numbers>([x, y, z]: [V3<V>; 3], centre: DVec3) -> V3<V> {
+    x * V::splat(centre.x) + y * V::splat(centre.y) + z * V::splat(centre.z)
+}
+
+impl Placing<'_> {
+    /// Place them.
+    pub(crate) fn place(mut self, level: Level) {
+        widened(
+            level,
+            #[inline(always)]
+            || match level {
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx512 => self.eights::<super::avx::Wide>(),
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx2 => self.eights::<super::avx::Pair>(),
+                _ => (0..self.shape.len()).for_each(|k| self.one(k)),
+            },
+        );
+    }
+
+    /// Where the spheres of body `k` begin in this chunk.
+    #[inline(always)]
+    fn begin(&self, k: usize) -> usize {
+        (self.first[k] - self.first[0]) as usize
+    }
+
+    /// Place the spheres of one body.
+    #[inline(always)]
+    fn one(&mut self, k: usize) {
+        let (begin, centre) = (self.begin(k), self.centre[k]);
+        if self.shape[k] == SPHERE {
+            self.arm[begin] = Record { w: self.arm[begin].w, ..Record::ZERO };
+            self.position[begin] = centre;
+            return;
+        }
+        let axes = axes_of(self.attitude[k].to_array());
+        for (nth, s) in self.shapes[self.shape[k] as usize].spheres.iter().enumerate() {
+            let a = arm(axes, s.centre);
+            let a = DVec3::new(a.x, a.y, a.z);
+            self.arm[begin + nth] = Record::new(a, s.radius);
+            self.position[begin + nth] = Record::new(centre.vector() + a, s.radius);
+        }
+    }
+
+    #[inline(always)]
+    fn eights<V: Lanes>(&mut self) {
+        let mut k = 0;
+        while k < self.shape.len() {
+            let shape = self.shape[k];
+            let eight = self.shape[k..].first_chunk::<8>();
+            if shape != SPHERE && eight.is_some_and(|e| e.iter().all(|s| *s == shape)) {
+                self.eight::<V>(k, shape);
+                k += 8;
+            } else {
+                self.one(k);
+                k += 1;
+            }
+        }
+    }
+
+    /// Place the spheres of eight bodies of one shape.
+    #[inline(always)]
+    fn eight<V: Lanes>(&mut self, k: usize, shape: u32) {
+        let group: [usize; 8] = std::array::from_fn(|lane| k + lane);
+        let axes = axes_of(attitudes::<V>(self.attitude, &group));
+        let centre = V3::of(picked::<V>(self.centre, &group));
+        let spheres = &self.shapes[shape as usize].spheres;
+        let (begin, step) = (self.begin(k), spheres.len());
+        let end = begin + 8 * step;
+        assert!(end <= self.arm.len() && end <= self.position.len());
+        let to_arm = self.arm[begin..].as_mut_ptr().cast();
+        let to_position = self.position[begin..].as_mut_ptr().cast();
+        for (nth, s) in spheres.iter().enumerate() {
+            let at: [u32; 8] = std::array::from_fn(|lane| 4 * (lane * step + nth) as u32);
+            let a = arm(axes, s.centre);
+            let (x, radius) = (centre + a, V::splat(s.radius));
+            // SAFETY: eight bodies of as many spheres lie within both slices.
+            unsafe {
+                V::put_quads([a.x, a.y, a.z, radius], to_arm, &at);
+                V::put_quads([x.x, x.y, x.z, radius], to_position, &at);
+            }
+        }
+    }
+}
+
+/// Fields of eight records.
+#[inline(always)]
+fn columns<V: Lanes>(of: impl Fn(usize) -> Record) -> [V; 4] {
+    let records: [Record; 8] = [of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)];
+    // SAFETY: there are eight.
+    unsafe { V::gather(&records, &[0, 1, 2, 3, 4, 5, 6, 7]) }
+}
+
+#[inline(always)]
+fn picked<V: Lanes>(records: &[Record], group: &[usize; 8]) -> [V; 4] {
+    columns(
+        #[inline(always)]
+        |lane| records[group[lane]],
+    )
+}
+
+#[inline(always)]
+fn attitudes<V: Lanes>(attitudes: &[DQuat], group: &[usize; 8]) -> [V; 4] {
+    columns(
+        #[inline(always)]
+        |lane| {
+            let q = attitudes[group[lane]];
+            Record { x: q.x, y: q.y, z: q.z, w: q.w }
+        },
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::MaterialId;
+    use crate::rigid::{ClumpSpec, ClumpSphere};
+    use glam::DMat3;
+
+    /// Eleven bodies of two shapes with single spheres among them, some slow and some that turn by
+    /// a good part of a radian a step.
+    #[derive(Clone, PartialEq, Debug)]
+    struct Bodies {
+        shape: Vec<u32>,
+        attitude: Vec<DQuat>,
+        momentum: Vec<Record>,
+        torque: Vec<Record>,
+        mean_spin: Vec<Record>,
+        end_spin: Vec<Record>,
+        first: Vec<u32>,
+        arm: Vec<Record>,
+        position: Vec<Record>,
+    }
+
+    fn shapes() -> Vec<Clump> {
+        let make = |size: f64| {
+            let sphere =
+                |x, y, z| ClumpSphere { centre: DVec3::new(x, y, z) * size, radius: 2.0 * size };
+            let spheres = vec![sphere(-1.0, 0.2, 0.0), sphere(1.0, 0.1, -0.3)];
+            let inertia = DMat3::from_diagonal(DVec3::new(1.0, 2.0, 2.5)) * size.powi(5) * 1e4;
+            let (mass, centre_of_mass) = (1e4 * size.powi(3), DVec3::ZERO);
+            let material = MaterialId(0);
+            ClumpSpec { spheres, mass, centre_of_mass, inertia, material }.try_into().unwrap()
+        };
+        vec![make(1e-3), make(1.5e-3)]
+    }
+
+    fn bodies() -> Bodies {
+        let shape = vec![0, 0, 0, 0, 0, 0, 0, 0, SPHERE, 1, 0];
+        let n = shape.len();
+        let at = |k: usize, seed: f64| {
+            let x = seed + 1.7 * k as f64;
+            DVec3::new(x.sin(), (1.3 * x).cos(), (2.1 * x).sin())
+        };
+        let spin = |k: usize| [0.0, 1e-3, 1.0, 30.0, 2e3, 2e4, 5e4, 10.0][k % 8];
+        let moment = 1e-11;
+        let mut first = vec![0];
+        for s in &shape {
+            first.push(first[first.len() - 1] + if *s == SPHERE { 1 } else { 2 });
+        }
+        let spheres = first[n] as usize;
+        Bodies {
+            attitude: (0..n)
+                .map(|k| DQuat::from_scaled_axis(at(k, 0.3) * 2.0).normalize())
+                .collect(),
+            momentum: (0..n).map(|k| Record::new(at(k, 0.7) * moment * spin(k), 4.0)).collect(),
+            torque: (0..n).map(|k| Record::new(at(k, 0.9) * 1e-7, 0.0)).collect(),
+            mean_spin: vec![Record::new(DVec3::ZERO, 7.0); n],
+            end_spin: vec![Record::ZERO; n],
+            arm: vec![Record::new(DVec3::ZERO, 3e-3); spheres],
+            position: vec![Record::ZERO; spheres],
+            first,
+            shape,
+        }
+    }
+
+    fn moved(level: Level) -> Bodies {
+        let (shapes, mut b) = (shapes(), bodies());
+        let centre: Vec<Record> = b.torque.iter().map(|t| Record { w: 3e-3, ..*t * 1e6 }).collect();
+        for _ in 0..3 {
+            Turning {
+                shapes: &shapes,
+                shape: &b.shape,
+                torque: &b.torque,
+                attitude: &mut b.attitude,
+                mean_spin: &mut b.mean_spin,
+                end_spin: &mut b.end_spin,
+                momentum: &mut b.momentum,
+                dt: 2e-5,
+            }
+            .turn(level);
+        }
+        Placing {
+            shapes: &shapes,
+            shape: &b.shape,
+            attitude: &b.attitude,
+            centre: &centre,
+            first: &b.first,
+            arm: &mut b.arm,
+            position: &mut b.position,
+        }
+        .place(level);
+        b
+    }
+
+    #[test]
+    fn eight_bodies_move_as_one_does_to_the_bit() {
+        let one = moved(Level::Portable);
+        // The fastest turns by half a radian a step; its arm is as long as it was.
+        assert!(one.mean_spin[6].vector().length() * 2e-5 > 0.3);
+        let length = one.arm[12].vector().length() / shapes()[0].spheres[0].centre.length();
+        assert!((length - 1.0).abs() < 1e-14, "{length}");
+        assert_eq!((one.mean_spin[3].w, one.momentum[3].w), (7.0, 4.0));
+        assert_eq!(one.arm[16], Record::new(DVec3::ZERO, 3e-3));
+        let widest = Level::detect();
+        if widest != Level::Portable {
+            assert_eq!(one, moved(Level::Avx2));
+            assert_eq!(one, moved(widest));
+        }
+    }
+}
