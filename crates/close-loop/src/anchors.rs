@@ -64,3 +64,52 @@ pub(crate) fn off(anchors: &[Anchor], z: &[f64]) -> Off {
     let unsure = shift.iter().map(|(mean, _)| mean.map(|m| CHANGES * nearest * m)).collect();
     Off { shift, unsure }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emulator::{Axis, Emulator};
+    use crate::scale::Scale;
+    use calib::Simulator as _;
+
+    /// One knot; responses fall by 10 a unit of the logarithm of friction.
+    fn run(at: f64, up: f64) -> Sample {
+        let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-4));
+        Sample {
+            at: vec![at],
+            mean: vec![std::array::from_fn(|r| 20.0 + 10.0 * at.ln() + r as f64 + up)],
+            covariance: vec![noise],
+            variance: vec![[1.5e-3; 4]],
+        }
+    }
+
+    #[test]
+    fn a_stand_in_is_shifted_by_its_difference_where_the_whole_was_run() {
+        let axes = vec![Axis { path: "friction.pp".to_owned(), scale: Scale::Log, unit: 0.35 }];
+        let stand_ins: Vec<Sample> = (0..9).map(|k| run(0.2 + 0.05 * f64::from(k), 0.0)).collect();
+        let model = Emulator::fit(axes, vec![0.4], vec![20.0], &stand_ins).unwrap();
+        // Two places, 1.5 and 2.5 above the stand-in there.
+        let whole = |names: &[&str], sample: Sample| Whole {
+            names: names.iter().map(|n| (*n).to_owned()).collect(),
+            sample,
+        };
+        // A run with an effect that this model does not have tells it nothing.
+        let mut other = run(0.3, 9.0);
+        other.at.push(1.0);
+        let wholes =
+            [whole(&[], run(0.25, 1.5)), whole(&[], run(0.5, 2.5)), whole(&["a.b"], other)];
+        let shifted = model.clone().anchored(&wholes);
+        let own = |m: &Emulator, x: f64| m.at_knots(&[x])[0][0];
+        // Half-way between them their mean; at one of them the other, two units away, counts a fortieth.
+        let by = |x: f64| own(&shifted, x) - own(&model, x);
+        assert!((by((0.25f64 * 0.5).sqrt()) - 2.0).abs() < 0.05, "{}", by(0.354));
+        assert!((by(0.25) - 1.52).abs() < 0.05, "{}", by(0.25));
+        let variance = |m: &Emulator, x: f64| m.predict(&[x], &[20.0]).unwrap().covariance(0, 0);
+        // Away from both a shift is unsure by a quarter for each unit.
+        let unsure = variance(&shifted, 0.2) - variance(&model, 0.2);
+        let units = (0.25f64 / 0.2).ln() / 0.35;
+        assert!((unsure.sqrt() - 0.25 * units * by(0.2)).abs() < 0.03, "{unsure}");
+        let at_one = variance(&shifted, 0.5) - variance(&model, 0.5);
+        assert!(at_one < 0.2 * unsure, "{at_one} {unsure}");
+    }
+}

@@ -60,6 +60,8 @@ impl Effect {
     pub(crate) fn strength_sd(&self) -> Option<f64> {
         match self.path.as_str() {
             "size.scale" => Some(0.1),
+            // A drive that was set wrongly, a bed that was weighed wrongly.
+            "speed.scale" | "fill.scale" => Some(0.15),
             "camera.roll_deg" | "camera.pitch_deg" | "camera.yaw_deg" => Some(2.0),
             "measure.scale" => Some(0.01),
             "measure.offset_x_pct"

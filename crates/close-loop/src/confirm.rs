@@ -186,7 +186,12 @@ fn simulated(state: &State<'_>) -> Vec<(String, Vec<f64>)> {
         .collect()
 }
 
-fn effects_at(state: &State<'_>, names: &[String], strengths: &[f64]) -> Vec<(Effect, f64)> {
+/// Effects of the catalogue at strengths.
+pub(crate) fn effects_at(
+    state: &State<'_>,
+    names: &[String],
+    strengths: &[f64],
+) -> Vec<(Effect, f64)> {
     let find =
         |name: &String| state.setup.catalogue.effects.iter().find(|e| e.path == *name).cloned();
     names.iter().zip(strengths).filter_map(|(n, s)| Some((find(n)?, *s))).collect()

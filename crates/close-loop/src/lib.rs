@@ -10,6 +10,7 @@
 pub use {calib, campaign, rig_schema};
 
 mod anchors;
+mod calibrate;
 mod catalogue;
 mod coded;
 mod compare;
@@ -18,10 +19,12 @@ mod curve;
 mod driver;
 mod emulator;
 mod error;
+mod models;
 mod outcome;
 mod pairs;
 mod plan;
 mod predict;
+mod probe;
 mod process;
 mod refine;
 mod runs;
@@ -29,6 +32,7 @@ mod scale;
 mod speeds;
 mod stand_in;
 mod table;
+mod whole_rig;
 
 pub use catalogue::{Catalogue, Effect, Needs};
 pub use curve::{Change, Curve};

@@ -34,7 +34,12 @@ const STRENGTHS: usize = 24;
 const WORTH: f64 = 4.0;
 
 /// Probability of a fit, with what its model does not know, below which runs are better spent elsewhere.
-const FORLORN: f64 = 1e-6;
+pub(crate) const FORLORN: f64 = 1e-6;
+
+/// Part of a deviance's surplus from what a model does not know that counts when places are put in order. A model that
+/// has seen an effect on one side of its null only takes each response at each speed to be unknown by itself; in truth
+/// they go together, and one or two numbers in twenty are unknown.
+const TOGETHER: f64 = 0.1;
 
 /// What is to be run: effects, and the free parameters followed by their strengths.
 pub(crate) struct Asked {
@@ -48,6 +53,8 @@ struct Place<'m> {
     model: &'m Emulator,
     at: Vec<f64>,
     trial: Trial,
+    /// Deviance that may come of it.
+    promise: f64,
 }
 
 impl State<'_> {
@@ -180,7 +187,7 @@ impl State<'_> {
 
     /// Where effects that are simulated may explain the data as well as any that is known to: their optima,
     /// and the best strength at each of a number of frictions, since what is known least is often the far
-    /// end of a valley. Those that fit with what their models do not know come first, best first.
+    /// end of a valley. Those that fit with what their models do not know come first, the most promising first.
     fn places<'m>(
         &self,
         base: &Emulator,
@@ -224,23 +231,23 @@ impl State<'_> {
                 }
             }
             let trials = question.trials(k, &thetas)?;
+            let sure = without.deviance - without.chi2;
+            let promise = |t: &Trial| promise(t, sure);
             let better = |a: &&(Vec<f64>, Trial), b: &&(Vec<f64>, Trial)| {
-                a.1.deviance.total_cmp(&b.1.deviance)
+                promise(&a.1).total_cmp(&promise(&b.1))
             };
             let all: Vec<(Vec<f64>, Trial)> = thetas.into_iter().zip(trials).collect();
             let along = all[first..].chunks(STRENGTHS + 1).filter_map(|c| c.iter().min_by(better));
             for (theta, trial) in all[..first].iter().chain(along) {
-                // What a model that knows little here may turn out to be: as close, and as sure as the base.
-                let hope = trial.chi2 + trial.penalty + without.deviance - without.chi2;
-                if hope.min(trial.deviance) <= limit {
-                    let at = coded.decoded(theta);
-                    places.push(Place { effect, model, at, trial: *trial });
+                if hope(trial, sure).min(trial.deviance) <= limit {
+                    let (at, promise) = (coded.decoded(theta), promise(trial));
+                    places.push(Place { effect, model, at, trial: *trial, promise });
                 }
             }
         }
         places.sort_by(|a, b| {
             let forlorn = |p: &Place<'_>| p.trial.p <= FORLORN;
-            forlorn(a).cmp(&forlorn(b)).then(a.trial.deviance.total_cmp(&b.trial.deviance))
+            forlorn(a).cmp(&forlorn(b)).then(a.promise.total_cmp(&b.promise))
         });
         Ok(places)
     }
@@ -267,14 +274,16 @@ impl State<'_> {
         all
     }
 
-    /// The nearest point of a grid, so that loops on the same rig share runs.
+    /// The nearest point of a grid, so that loops on the same rig share runs; one with the effect, not without.
     fn on_grid(&self, effect: &Effect, at: &[f64]) -> Vec<f64> {
         let Some((strength, theta)) = at.split_last() else { return Vec::new() };
         let mut point = self.snap(theta);
         let axes = self.effect_axes(effect);
         let axis = &axes[axes.len() - 1];
         let origin = axis.scale.forth(effect.null);
-        let v = ((axis.scale.forth(*strength) - origin) / axis.unit / GRID).round() * GRID;
+        let off = (axis.scale.forth(*strength) - origin) / axis.unit / GRID;
+        let steps = if off.abs() < 0.5 { off.signum() } else { off.round() };
+        let v = steps * GRID;
         let value = axis.scale.back(origin + v * axis.unit);
         point.push(value.clamp(effect.range.0, effect.range.1));
         point
@@ -296,6 +305,18 @@ impl State<'_> {
         let why = format!("not beyond {end:.4}: its drum cannot be simulated at {failed:.4}");
         self.setup.catalogue.left_out.push((path.to_owned(), why));
     }
+}
+
+/// What a model that knows little at a point may turn out to be there: as close, and as sure as the base, whose deviance
+/// is by `sure` above its chi-square.
+fn hope(trial: &Trial, sure: f64) -> f64 {
+    trial.chi2 + trial.penalty + sure
+}
+
+/// The same with what counts of its own surplus.
+fn promise(trial: &Trial, sure: f64) -> f64 {
+    let hope = hope(trial, sure);
+    hope + TOGETHER * (trial.deviance - hope).max(0.0)
 }
 
 fn paths(effects: &[Effect]) -> Vec<String> {
@@ -324,6 +345,17 @@ mod tests {
     use crate::catalogue::Needs;
     use crate::scale::Scale;
     use calib::attribution::Layer;
+
+    #[test]
+    fn what_may_fit_is_tried_before_what_does_not() {
+        let place = |chi2, deviance| Trial { chi2, deviance, penalty: 0.0, p: 0.5 };
+        let of = |chi2, deviance| promise(&place(chi2, deviance), -40.0);
+        // A fit that is known, one of which little is known, a misfit that is known.
+        let all = [of(12.0, -28.0), of(0.1, 125.0), of(56.0, 19.0)];
+        assert!(all.is_sorted(), "{all:?}");
+        // Of two that may fit the one of which more is known comes first.
+        assert!(of(4.0, 0.0) < of(0.1, 125.0));
+    }
 
     #[test]
     fn one_drum_that_fails_does_not_forbid_what_others_have_shown() {

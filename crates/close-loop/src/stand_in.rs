@@ -150,10 +150,10 @@ impl Cast {
         if self.whole.is_some() { self.anchors.iter().sum() } else { 0 }
     }
 
-    /// Runs of the whole rig that are likely: those that anchor, and fresh ones of the base, of the winner and
-    /// of an answer that is refuted.
+    /// Runs of the whole rig that are likely: those that anchor, and fresh ones of the base, of three effects that come
+    /// closest and of the winner.
     pub(crate) fn whole_runs(&self) -> usize {
-        self.anchored() + 3 * self.fresh.unwrap_or(0)
+        self.anchored() + 5 * self.fresh.unwrap_or(0)
     }
 
     /// What a report has to say of it.
@@ -244,7 +244,7 @@ soft = { density_kg_m3 = 1190.0, poisson_ratio = 0.37, shear_modulus_pa = 1e5 }
         assert_eq!(asked.anchored(), 6);
         assert!(asked.assumed().unwrap().contains("fresh runs are of the rig itself"));
         let cheap = Cast::of(Fidelity::Coarse, false, &rig()).unwrap();
-        assert_eq!((cheap.anchored(), cheap.whole_runs()), (3, 6));
+        assert_eq!((cheap.anchored(), cheap.whole_runs()), (3, 8));
         // Its step is long for its stiffness: softer particles save nothing.
         assert!(cheap.assumed().unwrap().contains("fresh runs are of the rig itself"));
         let mut stiff = rig();
