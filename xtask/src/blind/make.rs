@@ -153,6 +153,7 @@ pub(crate) fn run(
     folder: &Path,
     seed: u64,
     most: Option<usize>,
+    only: Option<&str>,
     jobs: usize,
 ) -> anyhow::Result<()> {
     let truths = drums::all(seed);
@@ -173,6 +174,9 @@ pub(crate) fn run(
         own.truncate(most);
         others.truncate(most.div_ceil(2));
     }
+    let wanted = |k: &usize| only.is_none_or(|name| truths[*k].case.contains(name));
+    own.retain(wanted);
+    others.retain(wanted);
     let count = own.len() + others.len();
     println!("{count} drums");
     let own_rigs: Vec<Rig> = own.iter().map(|k| rigs[*k].clone()).collect();

@@ -42,6 +42,9 @@ enum Task {
         /// Only so many drums by Tumble, and half as many by LIGGGHTS.
         #[arg(long)]
         most: Option<usize>,
+        /// Only cases whose name contains this, so that a study can be made in parts.
+        #[arg(long)]
+        only: Option<String>,
     },
     /// Close the loop on every case, then open the truth.
     Score {
@@ -84,7 +87,9 @@ pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
     match &blind.task {
         Task::Thesis => thesis::run(),
         Task::Codes { fillings } => codes::run(&folder, *fillings, blind.jobs),
-        Task::Make { seed, most } => make::run(&folder, *seed, *most, blind.jobs),
+        Task::Make { seed, most, only } => {
+            make::run(&folder, *seed, *most, only.as_deref(), blind.jobs)
+        }
         Task::Score { runs, only, json } => {
             score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)
         }
