@@ -68,7 +68,8 @@ pub(crate) fn points(
 }
 
 /// Part of the mean square error above the noise floor that goes away: at what was kept aside, at what was
-/// fitted where nothing was. `None` where there was none.
+/// fitted where nothing was. `None` where there was no more than two standard deviations of chance, of which no part
+/// can be told.
 pub(crate) fn removed(
     items: &[Observation],
     fitted: usize,
@@ -79,7 +80,8 @@ pub(crate) fn removed(
     let of: Vec<usize> = (from..items.len()).collect();
     let mean = |v: &Values| root_mean(&of, |i| ((items[i].mean - v[i].0) / v[i].1).powi(2)).powi(2);
     let above = mean(before) - 1.0;
-    (above > 0.0).then(|| ((mean(before) - mean(after).max(1.0)) / above).min(1.0))
+    let chance = (2.0 / of.len() as f64).sqrt();
+    (above > 2.0 * chance).then(|| ((mean(before) - mean(after).max(1.0)) / above).min(1.0))
 }
 
 /// Strengths of the effects that were named: each alone, or two together.
@@ -115,4 +117,22 @@ pub(crate) fn calibrated(finding: &Finding) -> Vec<(String, f64, Option<f64>)> {
     let base = &finding.base;
     let each = base.parameters.iter().zip(&base.theta).zip(&base.sd);
     each.map(|((p, v), sd)| (p.clone(), *v, *sd)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_the_error_is_told_where_there_was_some_above_the_noise() {
+        let item = |response| Observation { omega_rpm: 30.0, response, mean: 20.0, sd: 1.0 };
+        let items = Response::ALL.map(item);
+        let off = |by: f64| vec![(20.0 + by, 0.5); 4];
+        // Six noises before, two after: of 35 above the noise 32 go away.
+        let part = removed(&items, 0, &off(3.0), &off(1.0));
+        assert!(part.is_some_and(|p| (p - 32.0 / 35.0).abs() < 1e-12), "{part:?}");
+        assert_eq!(removed(&items, 0, &off(3.0), &off(0.1)), Some(1.0));
+        // Four numbers within one and a half noises are chance, whatever comes after.
+        assert_eq!(removed(&items, 0, &off(0.75), &off(2.0)), None);
+    }
 }
