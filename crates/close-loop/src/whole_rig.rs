@@ -49,13 +49,14 @@ impl CloseLoop<'_> {
     ) -> Result<Finding, CloseLoopError> {
         let base = state.base_model()?;
         let best = finding.ranked.iter().map(|r| r.fit.deviance).fold(f64::INFINITY, f64::min);
+        let close = finding
+            .ranked
+            .iter()
+            .filter(|r| r.fit.deviance <= best + RIVAL && r.fit.p > FORLORN && !r.at_bound);
+        let simulated = close.filter(|r| state.effects.contains_key(&r.name));
+        let rivals: Vec<_> = simulated.take(RIVALS).collect();
         let mut heard = Vec::new();
-        for rival in &finding.ranked {
-            let close = rival.fit.deviance <= best + RIVAL && rival.fit.p > FORLORN;
-            let simulated = state.effects.contains_key(&rival.name);
-            if heard.len() == RIVALS || !close || !simulated || rival.at_bound {
-                continue;
-            }
+        for rival in rivals {
             let Some((strength, theta)) = rival.fit.theta.split_last() else { continue };
             let name = std::slice::from_ref(&rival.name);
             let with = confirm::effects_at(state, name, &[*strength]);

@@ -3,7 +3,8 @@
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::CHUNK;
 use crate::integrate::Integrator;
-use crate::simd::{Placing, Turning};
+use crate::rigid::spin_of;
+use crate::simd::{OnBodies as _, Placing, Turning};
 use crate::threads::{cut, cut_groups};
 use crate::world::{SPHERE, World};
 
@@ -28,7 +29,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let (shape, torque) = (&shape[own.clone()], &torque[own]);
             let turning =
                 Turning { shapes, shape, torque, attitude, mean_spin, end_spin, momentum, dt };
-            turning.turn(level);
+            turning.run(level);
         });
     }
 
@@ -36,9 +37,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     pub(crate) fn spin_clumps(&mut self) {
         let (b, m) = (&mut self.state.bodies, &self.state.members);
         for (k, &shape) in m.shape.iter().enumerate().filter(|s| *s.1 != SPHERE) {
-            let (moments, q) = (self.make.shapes[shape as usize].moments, m.attitude[k]);
-            let momentum = b.angular_memory[k].vector();
-            b.spin[k].set(q * ((q.conjugate() * momentum) / moments));
+            let inverse = self.make.shapes[shape as usize].moments.recip().into();
+            let momentum = b.angular_memory[k].vector().into();
+            b.spin[k].set(spin_of(inverse, m.attitude[k].to_array(), momentum).into());
         }
     }
 
@@ -64,7 +65,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 arm,
                 position,
             };
-            placing.place(level);
+            placing.run(level);
         });
     }
 }

@@ -1,6 +1,7 @@
 //! What contacts know of their spheres: bodies themselves, or members of clumps.
 
 use crate::particles::Record;
+use crate::simd::{Numbers, V3};
 
 /// What contacts gather from their spheres.
 #[derive(Clone, Copy)]
@@ -49,7 +50,7 @@ impl SphereView<'_> {
         self.clumps.map_or(sphere, |c| c.body[sphere] as usize)
     }
 
-    /// `simd/pairs.rs` does the same for eight.
+    /// How a sphere moves.
     #[inline(always)]
     pub(crate) fn motion(&self, sphere: usize) -> SphereMotion {
         let Some(c) = &self.clumps else {
@@ -62,11 +63,25 @@ impl SphereView<'_> {
         let body = c.body[sphere] as usize;
         let (mut v, w, mut end) =
             (self.mean_velocity[body], self.mean_spin[body], self.end_velocity[body]);
-        let (arm, turning) = (c.arm[sphere].vector(), w.vector());
-        // The mean of the arms at both ends of the step, which the mean spin turns.
-        let middle = arm - turning.cross(arm) * (0.5 * c.dt);
-        v.add(turning.cross(middle));
-        end.add(c.end_spin[body].vector().cross(arm));
+        let vector = |r: &Record| V3::from(r.vector());
+        let (arm, end_spin) = (vector(&c.arm[sphere]), vector(&c.end_spin[body]));
+        let [mean, last] = on_arm(arm, [vector(&v), vector(&w)], [vector(&end), end_spin], c.dt);
+        v.set(mean.into());
+        end.set(last.into());
         SphereMotion { mean_velocity: v, mean_spin: w, end_velocity: end }
     }
+}
+
+/// Mean velocity over a step of `dt`, and velocity foretold for its end, of spheres at `arm` from their body's centre; the
+/// body's velocity and spin, mean and at the end.
+#[inline(always)]
+pub(crate) fn on_arm<V: Numbers>(
+    arm: V3<V>,
+    [velocity, spin]: [V3<V>; 2],
+    [end, end_spin]: [V3<V>; 2],
+    dt: f64,
+) -> [V3<V>; 2] {
+    // The mean of the arms at both ends of the step, which the mean spin turns.
+    let middle = arm - spin.cross(arm) * V::splat(0.5 * dt);
+    [velocity + spin.cross(middle), end + end_spin.cross(arm)]
 }

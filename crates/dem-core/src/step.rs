@@ -18,19 +18,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let team = self.team.clone();
         team.enter(|| {
             self.prepare()?;
-            let mut drifted = None;
-            let mut result = Ok(());
-            for left in (0..steps).rev() {
-                match self.advance(drifted, left > 0) {
-                    Ok(d) => drifted = d,
-                    Err(e) => {
-                        result = Err(e);
-                        break;
-                    }
-                }
-            }
+            let mut left = (0..steps).rev();
+            let done = left.try_fold(None, |drifted, left| self.advance(drifted, left > 0));
             self.spin_clumps();
-            result
+            done.map(|_| ())
         })
     }
 

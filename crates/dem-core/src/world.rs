@@ -474,7 +474,13 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// Centres and radii of all spheres.
     pub(crate) fn sphere_positions(&self) -> &[Record] {
-        if self.has_clumps() { &self.state.members.position } else { &self.state.bodies.position }
+        self.state.sphere_positions(self.has_clumps())
+    }
+}
+
+impl State {
+    fn sphere_positions(&self, clumps: bool) -> &[Record] {
+        if clumps { &self.members.position } else { &self.bodies.position }
     }
 }
 
@@ -483,7 +489,7 @@ pub(crate) fn sphere_view(state: &State, clumps: bool, dt: f64) -> SphereView<'_
     let (b, m) = (&state.bodies, &state.members);
     let view = ClumpView { body: &m.body, arm: &m.arm, end_spin: &m.end_spin, dt };
     SphereView {
-        position: if clumps { &m.position } else { &b.position },
+        position: state.sphere_positions(clumps),
         mean_velocity: &b.mean_velocity,
         mean_spin: &b.mean_spin,
         end_velocity: &b.end_velocity,

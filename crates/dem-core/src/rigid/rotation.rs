@@ -49,13 +49,11 @@ impl FreeRotation {
         angular_momentum: DVec3,
         dt: f64,
     ) -> FreeRotation {
-        let one = |v: DVec3| V3 { x: v.x, y: v.y, z: v.z };
-        let q = orientation;
-        let turn = free_turn(one(moments.recip()), [q.x, q.y, q.z, q.w], one(angular_momentum), dt);
-        let ([x, y, z, w], spin) = (turn.attitude, turn.mean_spin);
+        let inverse = moments.recip().into();
+        let turn = free_turn(inverse, orientation.to_array(), angular_momentum.into(), dt);
         FreeRotation {
-            mean_spin: DVec3::new(spin.x, spin.y, spin.z),
-            orientation: DQuat::from_xyzw(x, y, z, w),
+            mean_spin: turn.mean_spin.into(),
+            orientation: DQuat::from_array(turn.attitude),
         }
     }
 }
@@ -207,9 +205,7 @@ mod tests {
         let energy = |pi: DVec3| 0.5 * pi.dot(pi / moments);
         for dt in [0.05, 0.2, 0.5, 1.0] {
             let start = DVec3::new(0.3, 2.0, 0.1);
-            let one = |v: DVec3| V3 { x: v.x, y: v.y, z: v.z };
-            let middle = middle_momentum(one(moments.recip()), one(start), dt);
-            let middle = DVec3::new(middle.x, middle.y, middle.z);
+            let middle = DVec3::from(middle_momentum(moments.recip().into(), start.into(), dt));
             let end = middle * 2.0 - start;
             // The iteration ends within 1e-16 of the momentum; ten roundings are allowed for.
             assert!((energy(end) / energy(start) - 1.0).abs() < 1e-14, "{dt}");

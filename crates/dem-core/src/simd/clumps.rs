@@ -8,6 +8,28 @@ use crate::particles::Record;
 use crate::rigid::{Clump, axes_of, free_turn, spin_of};
 use crate::world::SPHERE;
 
+/// Work on a chunk of bodies.
+pub(crate) trait OnBodies: Sized {
+    /// Do it for one body after another.
+    fn one_by_one(&mut self);
+    /// Do it for eight at a time: the same operations on each.
+    fn eights<V: Lanes>(&mut self);
+    /// Do it with the registers of `level`.
+    fn run(mut self, level: Level) {
+        widened(
+            level,
+            #[inline(always)]
+            || match level {
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx512 => self.eights::<super::avx::Wide>(),
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx2 => self.eights::<super::avx::Pair>(),
+                _ => self.one_by_one(),
+            },
+        );
+    }
+}
+
 /// Clumps of a chunk of bodies that turn freely.
 pub(crate) struct Turning<'a> {
     pub(crate) shapes: &'a [Clump],
@@ -46,33 +68,17 @@ fn turned<V: Numbers>(
     Turned { attitude: turn.attitude, mean_spin: turn.mean_spin, end_spin, momentum }
 }
 
-impl Turning<'_> {
-    /// Turn them.
-    pub(crate) fn turn(mut self, level: Level) {
-        widened(
-            level,
-            #[inline(always)]
-            || match level {
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx512 => self.eights::<super::avx::Wide>(),
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx2 => self.eights::<super::avx::Pair>(),
-                _ => self.one_by_one(),
-            },
-        );
-    }
-
+impl OnBodies for Turning<'_> {
     fn one_by_one(&mut self) {
         for (k, &shape) in self.shape.iter().enumerate().filter(|s| *s.1 != SPHERE) {
-            let one = |v: DVec3| V3 { x: v.x, y: v.y, z: v.z };
             let (q, l, t) = (self.attitude[k], &mut self.momentum[k], &self.torque[k]);
-            let inverse = one(self.shapes[shape as usize].moments.recip());
-            let of = turned(inverse, q.to_array(), one(l.vector()), one(t.vector()), self.dt);
-            let three = |v: V3<f64>| DVec3::new(v.x, v.y, v.z);
+            let inverse = self.shapes[shape as usize].moments.recip().into();
+            let (before, torque) = (l.vector().into(), t.vector().into());
+            let of = turned(inverse, q.to_array(), before, torque, self.dt);
             self.attitude[k] = DQuat::from_array(of.attitude);
-            l.set(three(of.momentum));
-            self.mean_spin[k].set(three(of.mean_spin));
-            self.end_spin[k].set(three(of.end_spin));
+            l.set(of.momentum.into());
+            self.mean_spin[k].set(of.mean_spin.into());
+            self.end_spin[k].set(of.end_spin.into());
         }
     }
 
@@ -97,7 +103,9 @@ impl Turning<'_> {
             self.eight::<V>(&group);
         }
     }
+}
 
+impl Turning<'_> {
     /// Turn eight; those that are there twice come to the same.
     #[inline(always)]
     fn eight<V: Lanes>(&mut self, group: &[usize; 8]) {
@@ -151,22 +159,29 @@ fn arm<V: Numbers>([x, y, z]: [V3<V>; 3], centre: DVec3) -> V3<V> {
     x * V::splat(centre.x) + y * V::splat(centre.y) + z * V::splat(centre.z)
 }
 
-impl Placing<'_> {
-    /// Place them.
-    pub(crate) fn place(mut self, level: Level) {
-        widened(
-            level,
-            #[inline(always)]
-            || match level {
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx512 => self.eights::<super::avx::Wide>(),
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx2 => self.eights::<super::avx::Pair>(),
-                _ => (0..self.shape.len()).for_each(|k| self.one(k)),
-            },
-        );
+impl OnBodies for Placing<'_> {
+    fn one_by_one(&mut self) {
+        (0..self.shape.len()).for_each(|k| self.one(k));
     }
 
+    #[inline(always)]
+    fn eights<V: Lanes>(&mut self) {
+        let mut k = 0;
+        while k < self.shape.len() {
+            let shape = self.shape[k];
+            let eight = self.shape[k..].first_chunk::<8>();
+            if shape != SPHERE && eight.is_some_and(|e| e.iter().all(|s| *s == shape)) {
+                self.eight::<V>(k, shape);
+                k += 8;
+            } else {
+                self.one(k);
+                k += 1;
+            }
+        }
+    }
+}
+
+impl Placing<'_> {
     /// Where the spheres of body `k` begin in this chunk.
     #[inline(always)]
     fn begin(&self, k: usize) -> usize {
@@ -184,26 +199,9 @@ impl Placing<'_> {
         }
         let axes = axes_of(self.attitude[k].to_array());
         for (nth, s) in self.shapes[self.shape[k] as usize].spheres.iter().enumerate() {
-            let a = arm(axes, s.centre);
-            let a = DVec3::new(a.x, a.y, a.z);
+            let a = DVec3::from(arm(axes, s.centre));
             self.arm[begin + nth] = Record::new(a, s.radius);
             self.position[begin + nth] = Record::new(centre.vector() + a, s.radius);
-        }
-    }
-
-    #[inline(always)]
-    fn eights<V: Lanes>(&mut self) {
-        let mut k = 0;
-        while k < self.shape.len() {
-            let shape = self.shape[k];
-            let eight = self.shape[k..].first_chunk::<8>();
-            if shape != SPHERE && eight.is_some_and(|e| e.iter().all(|s| *s == shape)) {
-                self.eight::<V>(k, shape);
-                k += 8;
-            } else {
-                self.one(k);
-                k += 1;
-            }
         }
     }
 
@@ -337,7 +335,7 @@ mod tests {
                 momentum: &mut b.momentum,
                 dt: 2e-5,
             }
-            .turn(level);
+            .run(level);
         }
         Placing {
             shapes: &shapes,
@@ -348,7 +346,7 @@ mod tests {
             arm: &mut b.arm,
             position: &mut b.position,
         }
-        .place(level);
+        .run(level);
         b
     }
 

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use glam::DVec3;
+
 use crate::neighbour::Period;
 use crate::particles::Record;
 
@@ -91,7 +93,7 @@ impl Numbers for f64 {
 }
 
 /// Eight numbers in one or several registers.
-pub(super) trait Lanes: Numbers<Mask = u8> {
+pub(crate) trait Lanes: Numbers<Mask = u8> {
     fn load(from: &[f64; 8]) -> Self;
     fn store(self, to: &mut [f64; 8]);
     /// Four numbers from each of eight places on, one vector for each of the four.
@@ -200,6 +202,20 @@ impl<V: Numbers> V3<V> {
             y: self.y.select(mask, other.y),
             z: self.z.select(mask, other.z),
         }
+    }
+}
+
+impl From<DVec3> for V3<f64> {
+    #[inline(always)]
+    fn from(v: DVec3) -> Self {
+        Self { x: v.x, y: v.y, z: v.z }
+    }
+}
+
+impl From<V3<f64>> for DVec3 {
+    #[inline(always)]
+    fn from(v: V3<f64>) -> Self {
+        DVec3::new(v.x, v.y, v.z)
     }
 }
 

@@ -17,7 +17,7 @@ mod wall;
 
 use std::any::Any;
 
-pub(crate) use clumps::{Placing, Turning};
+pub(crate) use clumps::{OnBodies, Placing, Turning};
 pub(crate) use hertz_mindlin::Features;
 pub(crate) use lanes::{Mask, Numbers, Quad, V3};
 pub(crate) use pairs::{PairKernel, Run};

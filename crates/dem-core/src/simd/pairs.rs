@@ -9,7 +9,7 @@ use super::{Constants, Level};
 use crate::forces::ChunkYield;
 use crate::list::lowest_bits;
 use crate::particles::Record;
-use crate::spheres::{ClumpView, SphereView};
+use crate::spheres::{ClumpView, SphereView, on_arm};
 
 /// A run of touching pairs, in whole blocks.
 pub(crate) struct Run<'a> {
@@ -336,14 +336,8 @@ pub(super) unsafe fn on_clump<V: Blocks>(
             V3::of(V::quads(c.end_spin.as_ptr().cast(), bodies)),
         )
     };
-    let turning = V3::of(w);
-    let middle = arm - turning.cross(arm) * V::splat(0.5 * c.dt);
-    let mean = V3::of(v) + turning.cross(middle);
-    OnClump {
-        mean_velocity: [mean.x, mean.y, mean.z, v[3]],
-        mean_spin: w,
-        end_velocity: end + end_spin.cross(arm),
-    }
+    let [mean, end_velocity] = on_arm(arm, [V3::of(v), V3::of(w)], [end, end_spin], c.dt);
+    OnClump { mean_velocity: [mean.x, mean.y, mean.z, v[3]], mean_spin: w, end_velocity }
 }
 
 /// Vectors of records less those of others, whose numbers begin there, and both scalars, which are `alike` in all
