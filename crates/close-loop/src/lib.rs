@@ -26,6 +26,7 @@ mod plan;
 mod predict;
 mod probe;
 mod process;
+mod read_anew;
 mod refine;
 mod runs;
 mod scale;

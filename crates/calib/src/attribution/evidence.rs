@@ -12,7 +12,7 @@ use super::Strength;
 use super::data::Data;
 use super::linear::{cholesky, covariance, normal};
 use super::model::Model;
-use super::solver::{FINE, Search, Settled};
+use super::solver::{FINE, Search, Settled, Solved};
 use crate::grid::crossings;
 use crate::matching::LEVEL;
 use crate::{CalibError, upper_quantile};
@@ -22,6 +22,13 @@ const SIZES: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 
 /// Length over which the unknown discrepancy varies, part of the range of speeds.
 const LENGTH: f64 = 1.0 / 3.0;
+
+/// Searches at a renewed covariance for each strength of a profile.
+const RENEWALS: usize = 2;
+
+/// Part of what a model's ignorance costs that counts against a strength: the errors of a surface go together over
+/// speeds and responses, and one or two numbers in twenty are unknown.
+const TOGETHER: f64 = 0.1;
 
 /// Logarithm of the volume that the curvature leaves of the unit ranges.
 fn log_volume(columns: &[Vec<f64>]) -> f64 {
@@ -64,6 +71,8 @@ pub(super) fn profile(
     let search = Search { model, data, weight: &fit.weight };
     let mut chi2 = vec![0.0; values.len()];
     let mut volume = vec![0.0; values.len()];
+    // The same with what the model knows at each point, which away from its runs is less.
+    let mut own = vec![0.0; values.len()];
     let middle = values.partition_point(|v| *v < best - 1e-12);
     // Outwards from the best, each from its neighbour's frictions.
     let upwards: Vec<usize> = (middle..values.len()).collect();
@@ -77,6 +86,7 @@ pub(super) fn profile(
             unit.clone_from(&solved.unit);
             chi2[i] = solved.chi2;
             volume[i] = log_volume(&start.columns[..axis]);
+            own[i] = settled(&search, &solved, axis)?;
         }
     }
     let lowest = chi2.iter().copied().fold(f64::INFINITY, f64::min);
@@ -89,13 +99,31 @@ pub(super) fn profile(
         .sum();
     let inflation = if dof == 0 { 1.0 } else { (fit.chi2 / dof as f64).max(1.0) };
     let level = fit.chi2 + upper_quantile(LEVEL) * inflation;
-    let (lo, hi) = crossings(&values, &chi2, (best, fit.chi2), level);
+    let (lo, hi) = crossings(&values, &own, (best, fit.chi2), level);
     let (low, high) = model.ranges[axis];
     let scale = |u: f64| low + u * (high - low);
     Ok(Profile {
         strength: Strength { value: fit.theta[axis], lo: lo.map(scale), hi: hi.map(scale) },
         log_likelihood: -0.5 * (lowest + fit.weight.log_det) + area.ln(),
     })
+}
+
+/// Chi-square where a search with a strength held ended, fitted anew at the covariance of its own result, so that a
+/// strength near which nothing was simulated is not excluded by what is known elsewhere.
+fn settled(search: &Search<'_, '_>, from: &Solved, axis: usize) -> Result<f64, CalibError> {
+    let (model, data, first) = (search.model, search.data, search.weight.log_det);
+    let mut unit = from.unit.clone();
+    let mut value = from.chi2;
+    for _ in 0..RENEWALS {
+        let predicted = model.predict(&model.theta(&unit), &data.speeds)?;
+        let weight = data.weight(&predicted, None)?;
+        let there = Search { model, data, weight: &weight };
+        let start = there.point(&unit, data.pick(&predicted.mean))?;
+        let solved = there.descend(&data.y, &start, Some(axis), FINE)?;
+        value = solved.chi2 + TOGETHER * (weight.log_det - first);
+        unit = solved.unit;
+    }
+    Ok(value)
 }
 
 /// Marginal likelihood of the base with an unknown discrepancy.
