@@ -71,6 +71,67 @@ pub(crate) fn question<'s>(
     }
 }
 
+/// The same line, with an error of each angle that grows by so many of its standard deviations for one of the strength
+/// above `from`.
+struct Vague {
+    from: f64,
+    growth: f64,
+}
+
+impl Vague {
+    /// Variance over that of a measured angle.
+    fn unknown(&self, slope: f64) -> f64 {
+        (self.growth * (slope - self.from).max(0.0)).powi(2)
+    }
+}
+
+impl Simulator for Vague {
+    fn parameters(&self) -> Vec<String> {
+        Line(Some(|slope| slope)).parameters()
+    }
+    fn speed_range_rpm(&self) -> (f64, f64) {
+        (1.0, 30.0)
+    }
+    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
+        let mut predicted = Line(Some(|slope| slope)).predict(theta, speeds)?;
+        let step = predicted.mean.len() + 1;
+        let own = self.unknown(theta[1]) * SD * SD;
+        predicted.covariance.iter_mut().step_by(step).for_each(|v| *v = own);
+        Ok(predicted)
+    }
+}
+
+#[test]
+fn an_interval_reaches_as_far_as_nothing_is_known() {
+    let x = SPEEDS.iter().sum::<f64>() / 7.0;
+    let y = ANGLE.iter().sum::<f64>() / 7.0;
+    let sxx: f64 = SPEEDS.iter().map(|s| (s - x).powi(2)).sum();
+    let sxy: f64 = SPEEDS.iter().zip(ANGLE).map(|(s, a)| (s - x) * (a - y)).sum();
+    let syy: f64 = ANGLE.iter().map(|a| (a - y).powi(2)).sum();
+    let (best, rest) = (sxy / sxx, (syy - sxy * sxy / sxx) / (SD * SD));
+    let sd = SD / sxx.sqrt();
+    // One standard deviation of the slope adds two fifths of an angle's.
+    let vague = Vague { from: best, growth: 0.4 / sd };
+    let base = Line(None);
+    let settings = Settings { stability_bootstrap: 0, ..Settings::default() };
+    let angles = SPEEDS.into_iter().zip(ANGLE);
+    let mut attribution = question((&base, &base), angles, ((-0.5, 0.5), None), settings);
+    attribution.candidates[0].simulator = &vague;
+    let strength = attribution.attribute().expect("is well posed").ranked[0].strength;
+    assert!((strength.value - best).abs() < 1e-7);
+    // Below nothing is unknown: 1.96 standard deviations.
+    let down = (best - strength.lo.expect("is inside")) / sd;
+    assert!((down / 1.959964 - 1.0).abs() < 0.02, "{down}");
+    // Above chi-square is divided by what is unknown, a tenth of whose logarithm counts for each of seven angles;
+    // so it ends where algebra says, to a chord of half a standard deviation.
+    let hi = strength.hi.expect("is inside");
+    let all = 1.0 + vague.unknown(hi);
+    let chi2 = (rest + ((hi - best) / sd).powi(2)) / all + 0.1 * 7.0 * all.ln();
+    let inflation = (rest / 5.0).max(1.0);
+    assert!((chi2 - rest - 3.841459 * inflation).abs() < 0.1, "{chi2} {rest}");
+    assert!((hi - best) / sd > 3.0, "{}", (hi - best) / sd);
+}
+
 #[test]
 fn a_line_is_found_with_the_numbers_of_algebra() {
     let (base, line) = (Line(None), Line(Some(|slope| slope)));
