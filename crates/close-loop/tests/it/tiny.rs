@@ -97,6 +97,43 @@ fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
     }
 }
 
+/// What a drum with fewer beads shows, in another filling, as a table.
+fn fewer_beads(folder: &std::path::Path, scale: f64) -> String {
+    let mut rig = Case::parse("case.toml", CASE).unwrap().rig;
+    rig.settings.set("fill.scale", scale).unwrap();
+    rig.settings.set("friction.pp", 0.4).unwrap();
+    rig.run.seed = 77;
+    rig.run.frames = 40;
+    let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
+    let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
+    let lab = Laboratory::open(folder, 2, sampling).unwrap();
+    let run = lab.run(&[rig], |_| ()).pop().unwrap().unwrap();
+    let mut table = IMPOSSIBLE.lines().next().unwrap().to_owned();
+    for s in &run.speeds {
+        let cells: Vec<String> =
+            (0..4).map(|r| format!("{:.4},{:.4}", s.mean[r], s.sd[r])).collect();
+        table += &format!("\n{},{},20", s.omega_rpm, cells.join(","));
+    }
+    table
+}
+
+#[test]
+fn fewer_beads_are_named_and_counted_by_runs_that_came_after() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = fewer_beads(&folder.path().join("nature"), 0.8);
+    let found = close(&folder.path().join("fits"), &table, 2).unwrap();
+    assert!(found.members.iter().any(|m| m == "fill.scale"), "{}", found.sentence);
+    assert_eq!(found.confirmed, Some(true), "{}", found.sentence);
+    // The interval holds the truth and is no wider than a fifth of the beads; two speeds of six frames tell no more.
+    let fill = found.strengths.iter().find(|s| s.name == "fill.scale").unwrap();
+    assert!(fill.lo < 0.8 && 0.8 < fill.hi && fill.hi - fill.lo < 0.2, "{fill:?}");
+    // Table and sentence say the same: what was read when the fresh runs had been learnt from.
+    let row = found.finding.ranked.iter().find(|r| r.name == "fill.scale").unwrap();
+    assert_eq!((row.strength.value, row.strength.lo), (fill.value, Some(fill.lo)));
+    let fresh = found.after.at.last().unwrap();
+    assert!(fresh.0 == "fill.scale" && fresh.1 != fill.value, "{fresh:?} {fill:?}");
+}
+
 #[test]
 fn a_coarse_stand_in_is_held_against_the_drum_and_the_answer_is_the_drums() {
     let folder = tempfile::tempdir().unwrap();
