@@ -311,12 +311,7 @@ pub(crate) fn fresh(
     Ok(Some(Fresh { side, points, samples }))
 }
 
-pub(crate) fn sentence(
-    finding: &Finding,
-    verdict: &str,
-    strengths: &[StrengthOf],
-    is_pair: bool,
-) -> String {
+fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
     let named: Vec<String> = strengths
         .iter()
         .map(|s| {

@@ -143,7 +143,6 @@ impl CloseLoop<'_> {
         }
         let retries = if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
         let mut round = 0;
-        let quick = self.quick();
         loop {
             let (mut outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
             // Fresh runs that refute an answer are the best that its model can learn from.
@@ -152,7 +151,6 @@ impl CloseLoop<'_> {
             let tired = round == retries || spare == 0;
             if outcome.confirmed != Some(false) || tired || !learns {
                 outcome.refuted = round;
-                state.read_anew(&mut outcome, learned, &quick)?;
                 return Ok(outcome);
             }
             state.learn(learned);
@@ -200,15 +198,6 @@ impl CloseLoop<'_> {
         Ok(self.stages(watch)?.1)
     }
 
-    /// Settings for what chooses runs and ends in no verdict.
-    fn quick(&self) -> Settings {
-        Settings {
-            bootstrap: self.settings.attribution.bootstrap.min(199),
-            stability_bootstrap: 0,
-            ..self.settings.attribution.clone()
-        }
-    }
-
     fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
         let effort = setup.effort(self.settings.runs, simulated_effects(&setup))?;
@@ -229,7 +218,11 @@ impl CloseLoop<'_> {
         };
         state.calibrate(watch)?;
         state.probe(watch)?;
-        let quick = self.quick();
+        let quick = Settings {
+            bootstrap: self.settings.attribution.bootstrap.min(199),
+            stability_bootstrap: 0,
+            ..self.settings.attribution.clone()
+        };
         let first = state.attribute(&quick)?;
         let finding = if first.gate.passes && first.gate.p_combined > 0.05 {
             state.attribute(&self.settings.attribution)?

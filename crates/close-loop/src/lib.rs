@@ -26,7 +26,6 @@ mod plan;
 mod predict;
 mod probe;
 mod process;
-mod read_anew;
 mod refine;
 mod runs;
 mod scale;

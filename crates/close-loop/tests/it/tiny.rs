@@ -118,7 +118,7 @@ fn fewer_beads(folder: &std::path::Path, scale: f64) -> String {
 }
 
 #[test]
-fn fewer_beads_are_named_and_counted_by_runs_that_came_after() {
+fn fewer_beads_are_named_and_counted() {
     let folder = tempfile::tempdir().unwrap();
     let table = fewer_beads(&folder.path().join("nature"), 0.8);
     let found = close(&folder.path().join("fits"), &table, 2).unwrap();
@@ -127,11 +127,6 @@ fn fewer_beads_are_named_and_counted_by_runs_that_came_after() {
     // The interval holds the truth and is no wider than a fifth of the beads; two speeds of six frames tell no more.
     let fill = found.strengths.iter().find(|s| s.name == "fill.scale").unwrap();
     assert!(fill.lo < 0.8 && 0.8 < fill.hi && fill.hi - fill.lo < 0.2, "{fill:?}");
-    // Table and sentence say the same: what was read when the fresh runs had been learnt from.
-    let row = found.finding.ranked.iter().find(|r| r.name == "fill.scale").unwrap();
-    assert_eq!((row.strength.value, row.strength.lo), (fill.value, Some(fill.lo)));
-    let fresh = found.after.at.last().unwrap();
-    assert!(fresh.0 == "fill.scale" && fresh.1 != fill.value, "{fresh:?} {fill:?}");
 }
 
 #[test]
