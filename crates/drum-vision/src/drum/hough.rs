@@ -72,11 +72,12 @@ pub fn find_circles(
             (r, phi.cos() / r, phi.sin() / r)
         })
         .collect();
+    let (right, bottom) = (w as f64, h as f64);
     for e in &edges {
         for &(r, c, s) in &code {
             let (x, y) = (e.x + sign * r * e.nx + 0.5, e.y + sign * r * e.ny + 0.5);
-            if x >= 0.0 && y >= 0.0 && (x as usize) < w && (y as usize) < h {
-                let k = y as usize * w + x as usize;
+            if x >= 0.0 && y >= 0.0 && x < right && y < bottom {
+                let k = y as u32 as usize * w + x as u32 as usize;
                 re[k] += c;
                 im[k] += s;
             }
@@ -122,30 +123,50 @@ fn edge_pixels(plane: &Plane, edge_fraction: f64) -> Vec<EdgePixel> {
     edges
 }
 
-/// Squared modulus of the accumulator after a 5 x 5 binomial blur.
+/// Weights of the blur.
+const BINOMIAL: [f64; 5] = [1.0, 4.0, 6.0, 4.0, 1.0];
+
+/// Squared modulus of the accumulator after a 5 x 5 binomial blur. Only the five rows in use are kept: planes of a size
+/// that the system takes back and clears anew would cost more than the arithmetic.
 fn blurred_power(re: &[f64], im: &[f64], w: usize, h: usize) -> Vec<f64> {
-    let blur = |a: &[f64]| {
-        let mut rows = vec![0.0; a.len()];
-        let kernel = [1.0, 4.0, 6.0, 4.0, 1.0];
-        for y in 0..h {
-            for x in 0..w {
-                rows[y * w + x] = (0..5)
-                    .filter(|&d| (2..w + 2).contains(&(x + d)))
-                    .map(|d| kernel[d] * a[y * w + x + d - 2])
-                    .sum();
+    let mut power = vec![0.0; re.len()];
+    let mut rows = [re, im].map(|_| vec![0.0; 5 * w]);
+    let mut sums = [re, im].map(|_| vec![0.0; w]);
+    for below in 0..h + 2 {
+        if below < h {
+            for (rows, plane) in rows.iter_mut().zip([re, im]) {
+                let of = &plane[below * w..][..w];
+                blur_row(of, &mut rows[below % 5 * w..][..w]);
             }
         }
-        let mut out = vec![0.0; a.len()];
-        for y in 0..h {
+        let Some(y) = below.checked_sub(2) else { continue };
+        for (rows, sum) in rows.iter().zip(&mut sums) {
+            sum.fill(0.0);
             for d in (0..5).filter(|&d| (2..h + 2).contains(&(y + d))) {
-                for x in 0..w {
-                    out[y * w + x] += kernel[d] * rows[(y + d - 2) * w + x];
-                }
+                let row = &rows[(y + d - 2) % 5 * w..][..w];
+                sum.iter_mut().zip(row).for_each(|(s, v)| *s += BINOMIAL[d] * v);
             }
         }
-        out
+        let both = sums[0].iter().zip(&sums[1]);
+        let own = power[y * w..][..w].iter_mut();
+        own.zip(both).for_each(|(p, (a, b))| *p = a * a + b * b);
+    }
+    power
+}
+
+/// One row blurred along itself; what lies outside counts nothing.
+fn blur_row(of: &[f64], to: &mut [f64]) {
+    let w = of.len();
+    let at = |x: usize| -> f64 {
+        let inside = (0..5).filter(|&d| (2..w + 2).contains(&(x + d)));
+        inside.map(|d| BINOMIAL[d] * of[x + d - 2]).sum()
     };
-    blur(re).iter().zip(blur(im)).map(|(a, b)| a * a + b * b).collect()
+    for x in (0..w.min(2)).chain(w.saturating_sub(2).max(2)..w) {
+        to[x] = at(x);
+    }
+    for (window, to) in of.windows(5).zip(to.iter_mut().skip(2)) {
+        *to = BINOMIAL.iter().zip(window).map(|(k, v)| k * v).sum();
+    }
 }
 
 fn is_peak(power: &[f64], w: usize, h: usize, k: usize) -> bool {
@@ -183,7 +204,8 @@ fn radius_at(
         let sector = ((turn * SECTORS as f64) as usize).min(SECTORS - 1);
         near.push((r, sector));
         let b = r - range.0;
-        for (k, bin) in seen.iter_mut().enumerate() {
+        let first = (b - 1.5).max(0.0) as usize;
+        for (k, bin) in seen.iter_mut().enumerate().skip(first).take(5) {
             if (k as f64 - b).abs() <= 1.5 {
                 bin[sector] = true;
             }
