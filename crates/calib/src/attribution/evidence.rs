@@ -27,7 +27,7 @@ const LENGTH: f64 = 1.0 / 3.0;
 const RENEWALS: usize = 2;
 
 /// Part of what a model's ignorance costs that counts against a strength: the errors of a surface go together over
-/// speeds and responses, and one or two numbers in twenty are unknown.
+/// speeds and responses, so the whole would exclude what was never looked at. A tenth is on the wide side.
 const TOGETHER: f64 = 0.1;
 
 /// Logarithm of the volume that the curvature leaves of the unit ranges.
