@@ -12,7 +12,7 @@ use super::Strength;
 use super::data::Data;
 use super::linear::{cholesky, covariance, normal};
 use super::model::Model;
-use super::solver::{FINE, Search, Settled, Solved};
+use super::solver::{FINE, Search, Settled, Solved, renewed};
 use crate::grid::crossings;
 use crate::matching::LEVEL;
 use crate::{CalibError, upper_quantile};
@@ -28,7 +28,7 @@ const RENEWALS: usize = 2;
 
 /// Part of what a model's ignorance costs that counts against a strength: the errors of a surface go together over
 /// speeds and responses, so the whole would exclude what was never looked at. A tenth is on the wide side.
-const TOGETHER: f64 = 0.1;
+const IGNORANCE: f64 = 0.1;
 
 /// Logarithm of the volume that the curvature leaves of the unit ranges.
 fn log_volume(columns: &[Vec<f64>]) -> f64 {
@@ -71,14 +71,17 @@ pub(super) fn profile(
     let search = Search { model, data, weight: &fit.weight };
     let mut chi2 = vec![0.0; values.len()];
     let mut volume = vec![0.0; values.len()];
-    // The same with what the model knows at each point, which away from its runs is less.
-    let mut own = vec![0.0; values.len()];
+    // The same with what the model knows at each point, which away from its runs is less; no value beyond the interval.
+    let mut own = vec![f64::INFINITY; values.len()];
+    let inflation = if dof == 0 { 1.0 } else { (fit.chi2 / dof as f64).max(1.0) };
+    let level = fit.chi2 + upper_quantile(LEVEL) * inflation;
     let middle = values.partition_point(|v| *v < best - 1e-12);
     // Outwards from the best, each from its neighbour's frictions.
     let upwards: Vec<usize> = (middle..values.len()).collect();
     let downwards: Vec<usize> = (0..middle).rev().collect();
     for way in [upwards, downwards] {
         let mut unit = fit.point.unit.clone();
+        let mut open = true;
         for i in way {
             unit[axis] = values[i];
             let start = search.point_at(&unit)?;
@@ -86,7 +89,10 @@ pub(super) fn profile(
             unit.clone_from(&solved.unit);
             chi2[i] = solved.chi2;
             volume[i] = log_volume(&start.columns[..axis]);
-            own[i] = settled(&search, &solved, axis)?;
+            if open && values[i] != best {
+                own[i] = settled(&search, &solved, axis)?;
+                open = own[i] <= level;
+            }
         }
     }
     let lowest = chi2.iter().copied().fold(f64::INFINITY, f64::min);
@@ -97,8 +103,6 @@ pub(super) fn profile(
         .zip(height.windows(2))
         .map(|(v, h)| 0.5 * (h[0] + h[1]) * (v[1] - v[0]))
         .sum();
-    let inflation = if dof == 0 { 1.0 } else { (fit.chi2 / dof as f64).max(1.0) };
-    let level = fit.chi2 + upper_quantile(LEVEL) * inflation;
     let (lo, hi) = crossings(&values, &own, (best, fit.chi2), level);
     let (low, high) = model.ranges[axis];
     let scale = |u: f64| low + u * (high - low);
@@ -111,16 +115,11 @@ pub(super) fn profile(
 /// Chi-square where a search with a strength held ended, fitted anew at the covariance of its own result, so that a
 /// strength near which nothing was simulated is not excluded by what is known elsewhere.
 fn settled(search: &Search<'_, '_>, from: &Solved, axis: usize) -> Result<f64, CalibError> {
-    let (model, data, first) = (search.model, search.data, search.weight.log_det);
     let mut unit = from.unit.clone();
     let mut value = from.chi2;
     for _ in 0..RENEWALS {
-        let predicted = model.predict(&model.theta(&unit), &data.speeds)?;
-        let weight = data.weight(&predicted, None)?;
-        let there = Search { model, data, weight: &weight };
-        let start = there.point(&unit, data.pick(&predicted.mean))?;
-        let solved = there.descend(&data.y, &start, Some(axis), FINE)?;
-        value = solved.chi2 + TOGETHER * (weight.log_det - first);
+        let (weight, solved) = renewed(search.model, search.data, &unit, Some(axis))?;
+        value = solved.chi2 + IGNORANCE * (weight.log_det - search.weight.log_det);
         unit = solved.unit;
     }
     Ok(value)

@@ -199,15 +199,11 @@ pub(super) fn optima(
     for start in starts {
         let mut unit = start.clone();
         for round in 0..SETTLINGS {
-            let predicted = model.predict(&model.theta(&unit), &data.speeds)?;
-            let weight = data.weight(&predicted, None)?;
-            let search = Search { model, data, weight: &weight };
-            let point = search.point(&unit, data.pick(&predicted.mean))?;
-            let solved = search.descend(&data.y, &point, None, FINE)?;
+            let (weight, solved) = renewed(model, data, &unit, None)?;
             let moved = apart(&solved.unit, &unit);
             unit = solved.unit;
             if (moved < 1e-5 && round > 0) || round + 1 == SETTLINGS {
-                let point = search.point_at(&unit)?;
+                let point = Search { model, data, weight: &weight }.point_at(&unit)?;
                 let settled = Settled {
                     theta: model.theta(&unit),
                     white: solved.white,
@@ -228,6 +224,21 @@ pub(super) fn optima(
         }
     }
     Ok(distinct)
+}
+
+/// Search from a point (unit ranges) at the covariance of that point, with one parameter held there if so asked.
+pub(super) fn renewed(
+    model: &Model<'_>,
+    data: &Data,
+    unit: &[f64],
+    held: Option<usize>,
+) -> Result<(Weight, Solved), CalibError> {
+    let predicted = model.predict(&model.theta(unit), &data.speeds)?;
+    let weight = data.weight(&predicted, None)?;
+    let search = Search { model, data, weight: &weight };
+    let start = search.point(unit, data.pick(&predicted.mean))?;
+    let solved = search.descend(&data.y, &start, held, FINE)?;
+    Ok((weight, solved))
 }
 
 /// Largest difference of two points in any coordinate.

@@ -34,6 +34,12 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
 80,30,1,31,1,10,0.5,15,0.5,20
 ";
 
+fn laboratory(folder: &std::path::Path, jobs: usize) -> Laboratory {
+    let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
+    let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
+    Laboratory::open(folder, jobs, sampling).unwrap()
+}
+
 fn close(folder: &std::path::Path, table: &str, jobs: usize) -> Result<Outcome, CloseLoopError> {
     close_by(folder, table, jobs, Fidelity::Case)
 }
@@ -46,9 +52,7 @@ fn close_by(
 ) -> Result<Outcome, CloseLoopError> {
     let case = Case::parse("case.toml", CASE).unwrap();
     let measured = MeasuredTable::parse("measured.csv", table).unwrap();
-    let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
-    let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
-    let lab = Laboratory::open(folder, jobs, sampling).unwrap();
+    let lab = laboratory(folder, jobs);
     let mut settings =
         LoopSettings { runs: Some(38), predict: vec![65.0], fidelity, ..LoopSettings::default() };
     settings.attribution.bootstrap = 99;
@@ -104,10 +108,7 @@ fn fewer_beads(folder: &std::path::Path, scale: f64) -> String {
     rig.settings.set("friction.pp", 0.4).unwrap();
     rig.run.seed = 77;
     rig.run.frames = 40;
-    let resolution = Resolution { width_px: 400, most_sub_frames: 1 };
-    let sampling = Sampling { resolution, frame_interval_s: Some(0.1), ..Sampling::default() };
-    let lab = Laboratory::open(folder, 2, sampling).unwrap();
-    let run = lab.run(&[rig], |_| ()).pop().unwrap().unwrap();
+    let run = laboratory(folder, 2).run(&[rig], |_| ()).pop().unwrap().unwrap();
     let mut table = IMPOSSIBLE.lines().next().unwrap().to_owned();
     for s in &run.speeds {
         let cells: Vec<String> =

@@ -232,3 +232,33 @@ fn radius_at(
     let radius = if n > 0.0 { sum / n } else { coarse };
     Some(HoughCircle { x, y, radius, support: support[k], contrast })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_blur_by_rows_is_the_sum_over_the_square_at_any_size() {
+        for (w, h) in [(1, 1), (2, 7), (3, 3), (4, 2), (5, 5), (9, 6)] {
+            let plane = |seed: usize| -> Vec<f64> {
+                (0..w * h).map(|k| ((7 * k + seed) % 11) as f64 - 5.0).collect()
+            };
+            let (re, im) = (plane(1), plane(4));
+            let power = blurred_power(&re, &im, w, h);
+            let sum = |of: &[f64], x: usize, y: usize| -> f64 {
+                let weight = |a: usize, b: usize| match a.abs_diff(b) {
+                    0 => 6.0,
+                    1 => 4.0,
+                    2 => 1.0,
+                    _ => 0.0,
+                };
+                (0..w * h).map(|k| weight(k % w, x) * weight(k / w, y) * of[k]).sum()
+            };
+            for (k, p) in power.iter().enumerate() {
+                // Whole numbers: no rounding.
+                let direct = sum(&re, k % w, k / w).powi(2) + sum(&im, k % w, k / w).powi(2);
+                assert_eq!(*p, direct, "{w} x {h} at {k}");
+            }
+        }
+    }
+}

@@ -71,6 +71,18 @@ pub(crate) fn question<'s>(
     }
 }
 
+/// Sums of squares and of products of speeds and angles about their means.
+fn sums() -> [f64; 3] {
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    let (x, y) = (mean(&SPEEDS), mean(&ANGLE));
+    let both = || SPEEDS.iter().zip(ANGLE).map(|(s, a)| (s - x, a - y));
+    [
+        both().map(|(s, _)| s * s).sum(),
+        both().map(|(s, a)| s * a).sum(),
+        both().map(|(_, a)| a * a).sum(),
+    ]
+}
+
 /// The same line, with an error of each angle that grows by so many of its standard deviations for one of the strength
 /// above `from`.
 struct Vague {
@@ -103,11 +115,7 @@ impl Simulator for Vague {
 
 #[test]
 fn an_interval_reaches_as_far_as_nothing_is_known() {
-    let x = SPEEDS.iter().sum::<f64>() / 7.0;
-    let y = ANGLE.iter().sum::<f64>() / 7.0;
-    let sxx: f64 = SPEEDS.iter().map(|s| (s - x).powi(2)).sum();
-    let sxy: f64 = SPEEDS.iter().zip(ANGLE).map(|(s, a)| (s - x) * (a - y)).sum();
-    let syy: f64 = ANGLE.iter().map(|a| (a - y).powi(2)).sum();
+    let [sxx, sxy, syy] = sums();
     let (best, rest) = (sxy / sxx, (syy - sxy * sxy / sxx) / (SD * SD));
     let sd = SD / sxx.sqrt();
     // One standard deviation of the slope adds two fifths of an angle's.
@@ -139,11 +147,7 @@ fn a_line_is_found_with_the_numbers_of_algebra() {
     let angles = SPEEDS.into_iter().zip(ANGLE);
     let attribution = question((&base, &line), angles, ((-0.5, 0.5), None), settings);
     let f = attribution.attribute().expect("is well posed");
-    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
-    let (x, y) = (mean(&SPEEDS), mean(&ANGLE));
-    let sxx: f64 = SPEEDS.iter().map(|s| (s - x).powi(2)).sum();
-    let sxy: f64 = SPEEDS.iter().zip(ANGLE).map(|(s, a)| (s - x) * (a - y)).sum();
-    let syy: f64 = ANGLE.iter().map(|a| (a - y).powi(2)).sum();
+    let [sxx, sxy, syy] = sums();
     let gained = sxy * sxy / sxx / (SD * SD);
     let r = &f.ranked[0];
     assert!((f.gate.chi2 - syy / (SD * SD)).abs() < 1e-7);
