@@ -187,6 +187,26 @@ impl Observations {
         }
     }
 
+    /// These, then others, whose frames are not the same even at the same speed.
+    pub(crate) fn followed_by(&self, others: &Self) -> Self {
+        let first = self.items.len();
+        let mut given = self.given.clone();
+        given.extend(others.given.iter().map(|(a, b, v)| (first + a, first + b, *v)));
+        for (a, one) in self.items.iter().enumerate() {
+            for (b, other) in others.items.iter().enumerate() {
+                if one.omega_rpm == other.omega_rpm {
+                    given.push((a, first + b, 0.0));
+                }
+            }
+        }
+        Self {
+            items: self.items.iter().chain(&others.items).copied().collect(),
+            n_eff: self.n_eff.iter().chain(&others.n_eff).copied().collect(),
+            correlation: self.correlation,
+            given,
+        }
+    }
+
     /// Speeds, each once, ascending.
     pub fn speeds_rpm(&self) -> Vec<f64> {
         let mut speeds: Vec<f64> = self.items.iter().map(|o| o.omega_rpm).collect();

@@ -179,6 +179,11 @@ impl Weight {
         w
     }
 
+    /// Rows of `L` from `first` on, from that column on: the factor of the covariance of what follows, given all before.
+    pub(super) fn given(&self, first: usize) -> Vec<&[f64]> {
+        self.lower.chunks_exact(self.n).skip(first).map(|row| &row[first..]).collect()
+    }
+
     /// `L z`.
     pub(super) fn colour(&self, z: &[f64]) -> Vec<f64> {
         let rows = self.lower.chunks_exact(self.n);

@@ -245,9 +245,10 @@ impl Screen {
         })
     }
 
-    /// Probability of candidate `k`'s improvement, of itself and of the best of all.
-    pub(super) fn p_values(&self, k: usize) -> (f64, f64) {
-        let value = self.improvements[k];
+    /// Probability of candidate `k`'s improvement, of itself and of the best of all. Draws are searched about the base, where it
+    /// is known; what is found far from there, by `deviance` better than the base, counts by that.
+    pub(super) fn p_values(&self, k: usize, deviance: f64) -> (f64, f64) {
+        let value = self.improvements[k].max(deviance);
         let of = |draw: &dyn Fn(&Vec<f64>) -> f64| {
             let above = self.improvement_draws.iter().filter(|d| draw(d) >= value).count();
             (1 + above) as f64 / (1 + self.improvement_draws.len()) as f64

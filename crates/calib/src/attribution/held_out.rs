@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rig_schema::Response;
 
 use super::data::Data;
-use super::linear::covariance;
+use super::linear::{cholesky, covariance, dot, solve};
 use super::model::Model;
 use super::solver::{FINE, Search};
 use super::{HeldOut, HeldOutResponse};
@@ -18,20 +18,31 @@ pub(super) struct Predicted {
     pub(super) response: Response,
     /// Measured minus predicted.
     pub(super) error: f64,
-    /// Variance of measurement and simulator.
+    /// Variance of measurement and simulator, as far as what was fitted does not tell it.
     pub(super) noise: f64,
-    /// The same with that of the fitted parameters and nuisances.
+    /// The same with that of the fitted parameters.
     pub(super) total: f64,
 }
 
-/// Fit on `train` from starts in unit ranges, predict `test`.
+/// Points predicted from one fit.
+#[derive(Debug, Default)]
+pub(super) struct Fold {
+    pub(super) points: Vec<Predicted>,
+    /// Chi-square of all errors together, which go together.
+    pub(super) chi2: f64,
+}
+
+/// Fit on `train` from starts in unit ranges, predict the rest of `all`, which begins with the same items.
+///
+/// What the fit leaves at the speeds that are fitted tells something of the others: a nuisance, the filling's shift, an
+/// error of the surface move them all. So a prediction is the mean given those residuals.
 pub(super) fn predict(
     model: &Model<'_>,
     train: &Data,
-    test: &Data,
+    all: &Data,
     starts: &[Vec<f64>],
-) -> Result<Vec<Predicted>, CalibError> {
-    let Some(first) = starts.first() else { return Ok(Vec::new()) };
+) -> Result<Fold, CalibError> {
+    let Some(first) = starts.first() else { return Ok(Fold::default()) };
     let at_first = model.predict(&model.theta(first), &train.speeds)?;
     let weight = train.weight(&at_first, None)?;
     let search = Search { model, data: train, weight: &weight };
@@ -39,34 +50,52 @@ pub(super) fn predict(
     for unit in starts {
         points.push(search.point_at(unit)?);
     }
-    let Some(solved) = search.best(&train.y, &points, FINE)? else { return Ok(Vec::new()) };
+    let Some(solved) = search.best(&train.y, &points, FINE)? else { return Ok(Fold::default()) };
     let point = search.point_at(&solved.unit)?;
     // A strength or friction at an end of its range does not scatter beyond it: the prior keeps
     // the spread within the range.
     let spread = covariance(&point.columns, 12.0);
-    let nuisance = train.nuisance_posterior(&weight, &solved.white);
-    let there = model.predict(&model.theta(&solved.unit), &test.speeds)?;
-    let mean = test.pick(&there.mean);
-    let slopes = raw_slopes(model, test, &solved.unit, &mean)?;
-    Ok((0..test.len())
-        .map(|i| {
-            let shift: f64 = test.nuisance.iter().zip(&nuisance).map(|(g, n)| g[i] * n.0).sum();
-            let noise = test.variance(i, &there);
-            let unknown: f64 =
-                test.nuisance.iter().zip(&nuisance).map(|(g, n)| g[i] * g[i] * n.1).sum();
-            let fitted = spread.as_ref().map_or(0.0, |c| {
-                let row = |a: usize| (0..c.len()).map(|b| c[a][b] * slopes[b][i]).sum::<f64>();
-                (0..c.len()).map(|a| slopes[a][i] * row(a)).sum()
-            });
-            Predicted {
-                omega_rpm: test.items[i].omega_rpm,
-                response: test.items[i].response,
-                error: test.y[i] - mean[i] - shift,
-                noise,
-                total: noise + unknown + fitted,
+    let there = model.predict(&model.theta(&solved.unit), &all.speeds)?;
+    let mean = all.pick(&there.mean);
+    let joint = all.weight(&there, None)?;
+    let known = train.len();
+    let rest = |v: &[f64]| joint.whiten(v).split_off(known);
+    let miss: Vec<f64> = all.y.iter().zip(&mean).map(|(y, m)| y - m).collect();
+    let miss = rest(&miss);
+    let slopes: Vec<Vec<f64>> =
+        raw_slopes(model, all, &solved.unit, &mean)?.iter().map(|s| rest(s)).collect();
+    // Whitened errors have the covariance of what the parameters leave added to one.
+    let n = all.len() - known;
+    let mut both = vec![vec![0.0; n]; n];
+    for (i, row) in both.iter_mut().enumerate() {
+        row[i] = 1.0;
+        for (a, of_a) in spread.iter().flatten().enumerate() {
+            for (b, c) in of_a.iter().enumerate() {
+                for (j, v) in row.iter_mut().enumerate() {
+                    *v += slopes[a][i] * c * slopes[b][j];
+                }
             }
-        })
-        .collect())
+        }
+    }
+    let fault = CalibError::Covariance { what: "predicted points", size: n };
+    let factor = cholesky(&both).ok_or(fault)?;
+    let chi2 = dot(&miss, &solve(&factor, &miss));
+    let colour = |row: &[f64], of: &dyn Fn(usize) -> f64| -> f64 {
+        row.iter().enumerate().map(|(j, l)| l * of(j)).sum()
+    };
+    let points = joint.given(known).into_iter().enumerate().map(|(i, row)| {
+        let item = &all.items[known + i];
+        let total = colour(row, &|j| row[j] * both[j][j])
+            + 2.0 * (0..n).map(|j| row[j] * colour(&row[..j], &|k| both[j][k])).sum::<f64>();
+        Predicted {
+            omega_rpm: item.omega_rpm,
+            response: item.response,
+            error: colour(row, &|j| miss[j]),
+            noise: dot(row, row),
+            total,
+        }
+    });
+    Ok(Fold { points: points.collect(), chi2 })
 }
 
 fn raw_slopes(
@@ -91,6 +120,8 @@ fn raw_slopes(
 pub(super) struct Compared {
     pub(super) before: Vec<Predicted>,
     pub(super) after: Vec<Predicted>,
+    /// Sum over folds of the chi-square of predictions with the effect.
+    pub(super) chi2: f64,
     pub(super) folds: usize,
 }
 
@@ -105,6 +136,7 @@ impl Compared {
     pub(super) fn join(&mut self, other: Self) {
         self.before.extend(other.before);
         self.after.extend(other.after);
+        self.chi2 += other.chi2;
         self.folds += other.folds;
     }
 
@@ -115,11 +147,9 @@ impl Compared {
         (n > 0).then(|| each.sum::<f64>() / n as f64)
     }
 
-    /// Mean squared error with the effect in squared standard deviations of its prediction.
+    /// Chi-square with the effect over the number of points.
     pub(super) fn surprise(&self) -> Option<f64> {
-        let n = self.after.len();
-        let each = self.after.iter().map(|a| a.error * a.error / a.total);
-        (n > 0).then(|| each.sum::<f64>() / n as f64)
+        (!self.after.is_empty()).then(|| self.chi2 / self.after.len() as f64)
     }
 
     /// Responses whose error grows by more than one standard deviation of the prediction.

@@ -32,7 +32,7 @@ pub fn at_the_end(part: f64) -> bool {
 /// How much better than the level a pair must fit.
 const PAIR_FACTOR: f64 = 10.0;
 
-/// Training and test data of each fold.
+/// Training data of each fold, and the same followed by its test data.
 pub(super) struct Folds {
     pub(super) kind: &'static str,
     pub(super) folds: Vec<(Data, Data)>,
@@ -48,7 +48,7 @@ impl Folds {
             let train = o.filter(|x| !aside(x.omega_rpm));
             let test = o.filter(|x| aside(x.omega_rpm));
             (train.items.len() > most && !test.items.is_empty())
-                .then(|| (case.prepare(&train), case.prepare(&test)))
+                .then(|| (case.prepare(&train), case.prepare(&train.followed_by(&test))))
         };
         let mut sets = Vec::new();
         if speeds.len() >= LEAST_SPEEDS {
@@ -61,7 +61,7 @@ impl Folds {
             sets.push(Self { kind: "both ends", folds });
         }
         if let Some(given) = case.attribution.held_out.as_ref().filter(|g| !g.items.is_empty()) {
-            let folds = vec![(case.prepare(o), case.prepare(given))];
+            let folds = vec![(case.prepare(o), case.prepare(&o.followed_by(given)))];
             sets.push(Self { kind: "given set", folds });
         }
         sets.retain(|s| !s.folds.is_empty());
@@ -74,14 +74,15 @@ impl Folds {
         base: (&Model<'_>, &Settled),
         model: (&Model<'_>, &Settled),
     ) -> Result<Compared, CalibError> {
-        let mut compared =
-            Compared { before: Vec::new(), after: Vec::new(), folds: self.folds.len() };
-        for (train, test) in &self.folds {
+        let mut compared = Compared { folds: self.folds.len(), ..Compared::default() };
+        for (train, all) in &self.folds {
             let start = [base.1.point.unit.clone()];
-            compared.before.extend(predict(base.0, train, test, &start)?);
+            compared.before.extend(predict(base.0, train, all, &start)?.points);
             let mut starts = vec![model.1.point.unit.clone()];
             starts.push(model.0.unit(&model.0.absent(&base.1.theta)));
-            compared.after.extend(predict(model.0, train, test, &starts)?);
+            let after = predict(model.0, train, all, &starts)?;
+            compared.after.extend(after.points);
+            compared.chi2 += after.chi2;
         }
         Ok(compared)
     }
@@ -203,7 +204,8 @@ pub(super) fn decide<'s>(
     let mut singles = Vec::new();
     for (k, model) in case.singles.iter().enumerate() {
         let mut judged = fit(case, model, &[k], base)?;
-        (judged.p_single, judged.p_family) = screen.p_values(k);
+        let better = base.deviance() - judged.deviance();
+        (judged.p_single, judged.p_family) = screen.p_values(k, better);
         if !(judged.p_absolute > level) {
             judged.objections.push(format!("does not fit (p {:.2e})", judged.p_absolute));
             judged.explains = false;

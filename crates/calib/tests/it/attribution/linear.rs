@@ -113,6 +113,50 @@ impl Simulator for Vague {
     }
 }
 
+/// A constant that knows that there is a slope, but nothing of it: a standard deviation of 3 deg a rpm.
+struct Unsure;
+
+impl Simulator for Unsure {
+    fn parameters(&self) -> Vec<String> {
+        Line(None).parameters()
+    }
+    fn speed_range_rpm(&self) -> (f64, f64) {
+        (1.0, 30.0)
+    }
+    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
+        let mut predicted = Line(None).predict(theta, speeds)?;
+        let n = predicted.mean.len();
+        let at = |i: usize| 3.0 * (speeds[i / 4] - 10.0);
+        (0..n * n).for_each(|k| predicted.covariance[k] = at(k / n) * at(k % n));
+        Ok(predicted)
+    }
+}
+
+#[test]
+fn what_speeds_that_are_fitted_tell_of_an_error_is_used_at_those_left_out() {
+    let (base, line) = (Line(None), Line(Some(|slope| slope)));
+    let settings = Settings { stability_bootstrap: 0, ..Settings::default() };
+    let angles = SPEEDS.into_iter().zip(ANGLE);
+    let mut attribution = question((&base, &line), angles, ((-0.5, 0.5), None), settings);
+    attribution.base.simulator = &Unsure;
+    let f = attribution.attribute().expect("is well posed");
+    let left_out = f.held_out.iter().find(|h| h.kind == "leave one speed out").expect("is there");
+    // A straight line through the others misses a speed by its residual over one less its leverage.
+    let [sxx, sxy, _] = sums();
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / 7.0;
+    let (x, y) = (mean(&SPEEDS), mean(&ANGLE));
+    let miss = |(s, a): (f64, f64)| {
+        let leverage = 1.0 / 7.0 + (s - x).powi(2) / sxx;
+        (a - y - sxy / sxx * (s - x)) / (1.0 - leverage)
+    };
+    let squares: f64 = SPEEDS.into_iter().zip(ANGLE).map(|both| miss(both).powi(2)).sum();
+    let expected = (squares / 7.0).sqrt();
+    // The slope that is unknown is drawn towards none by (0.5 / 3)^2 of 400 rpm^2.
+    let own = &left_out.responses[0];
+    assert!((own.before - expected).abs() < 1e-3, "{} {expected}", own.before);
+    assert!((own.after - expected).abs() < 1e-6, "{} {expected}", own.after);
+}
+
 #[test]
 fn an_interval_reaches_as_far_as_nothing_is_known() {
     let [sxx, sxy, syy] = sums();
