@@ -115,8 +115,8 @@ impl Effort {
             base: 4 * free + 6,
             zoom: 2 * free + 3,
             replicates: 5,
-            probes: 4,
-            refine: 2 * free + 5,
+            probes: 2,
+            refine: 4 * free + 10,
             short_list: effects.min(4),
             confirm: confirm(3),
         };
@@ -141,13 +141,18 @@ impl Effort {
             for step in steps {
                 let mut next = plan;
                 step(&mut next, effects);
-                // Runs are better spent where effects turn out to be promising than on all of them.
-                let probes = next.probes == 1 || 3 * next.probes * effects <= runs;
-                if next.total(effects) <= runs && next.confirm <= 6 && next.probes <= 12 && probes {
+                // Runs are better spent where effects turn out to be promising than on all of them at a point that
+                // is not theirs: what is left goes there.
+                let few = next.base <= usual.base
+                    && next.zoom <= usual.zoom + 3
+                    && next.replicates <= usual.replicates + 4
+                    && (next.probes == 1
+                        || next.probes <= usual.probes && 6 * next.probes * effects <= runs);
+                if next.total(effects) <= runs && next.confirm <= 6 && few {
                     plan = next;
                 }
             }
-            if plan == before || plan.base > 200 {
+            if plan == before || plan.refine > 10_000 {
                 return Ok(plan);
             }
         }
