@@ -229,7 +229,8 @@ pub(crate) fn fresh(
     let at = base.frames().iter().enumerate();
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
-    let local = Local { at: at.collect(), shared, unsure: Vec::new() };
+    let unknown = vec![[0.0; 4]; base.knots().len()];
+    let local = Local { at: at.collect(), unknown, shared, unsure: Vec::new() };
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let mut distinct: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();

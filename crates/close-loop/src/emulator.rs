@@ -6,6 +6,7 @@
 use calib::{CalibError, Predicted, Simulator};
 
 use crate::anchors::{Anchor, Off, Whole, off};
+use crate::ignorance::{BESIDE, alongside};
 use crate::process::{Local, Process};
 use crate::scale::Scale;
 use crate::speeds::weights;
@@ -40,6 +41,8 @@ pub struct Emulator {
     axes: Vec<Axis>,
     origin: Vec<f64>,
     knots: Vec<f64>,
+    /// Factor of the correlation of what is not known at the knots.
+    alongside: Vec<Vec<f64>>,
     process: Process,
     /// Variance of one frame about the point of use, by knot.
     variance: Vec<[f64; 4]>,
@@ -92,8 +95,8 @@ impl Emulator {
             .map(|k| std::array::from_fn(|r| about(&|s| s.variance[k][r])))
             .collect();
         let process = Process::fit(coded, &mean, frames, &weight)?;
-        let (modes, anchors) = (Vec::new(), Vec::new());
-        Ok(Self { axes, origin, knots, process, variance, modes, anchors })
+        let (alongside, modes, anchors) = (alongside(&knots), Vec::new(), Vec::new());
+        Ok(Self { axes, origin, knots, alongside, process, variance, modes, anchors })
     }
 
     /// The same for other runs at this model's knots, which scatter as those of this one do.
@@ -106,8 +109,8 @@ impl Emulator {
         let (coded, mean) = runs(&axes, &origin, samples)?;
         let process = Process::with_scatter(coded, &mean, &self.process.scatter)?;
         let (knots, variance) = (self.knots.clone(), self.variance.clone());
-        let (modes, anchors) = (Vec::new(), Vec::new());
-        Ok(Self { axes, origin, knots, process, variance, modes, anchors })
+        let (alongside, modes, anchors) = (self.alongside.clone(), Vec::new(), Vec::new());
+        Ok(Self { axes, origin, knots, alongside, process, variance, modes, anchors })
     }
 
     /// Shift the model of a stand-in by what it is off from runs of the whole rig: of those without effects, and with no others than
@@ -140,19 +143,20 @@ impl Emulator {
         let mean = knots()
             .map(|(k, (own, _))| std::array::from_fn(|r| whole.mean[k][r] - own[r]))
             .collect();
-        let with_shift = |of: &[[f64; 4]; 4], factor: f64, shift: [f64; 4]| {
+        let with = |of: &[[f64; 4]; 4], factor: f64, own: [f64; 4]| {
             std::array::from_fn(|r| {
-                std::array::from_fn(|s| {
-                    let own = if r == s { shift[r].powi(2) } else { 0.0 };
-                    factor * of[r][s] + own
-                })
+                std::array::from_fn(|s| factor * of[r][s] + if r == s { own[r] } else { 0.0 })
             })
         };
+        let both = |a: [f64; 4], b: [f64; 4]| std::array::from_fn(|r| a[r].powi(2) + b[r].powi(2));
         let noise = knots()
-            .map(|(k, _)| with_shift(&whole.covariance[k], scatter.swings[k], scatter.shift))
+            .map(|(k, _)| {
+                with(&whole.covariance[k], scatter.swings[k], scatter.shift.map(|s| s * s))
+            })
             .collect();
-        let unknown =
-            knots().map(|(k, (_, own))| with_shift(own, 1.0, stand_in.shared[k])).collect();
+        let unknown = knots()
+            .map(|(k, (_, own))| with(own, 1.0, both(stand_in.shared[k], stand_in.unknown[k])))
+            .collect();
         Anchor { at: z, mean, noise, unknown }
     }
 
@@ -248,11 +252,11 @@ impl Emulator {
     pub(crate) fn doubt(&self, at: &[f64]) -> f64 {
         let local = self.process.moments(&code(&self.axes, &self.origin, at));
         let mut sum = 0.0;
-        for (k, ((_, covariance), shared)) in local.at.iter().zip(&local.shared).enumerate() {
-            for r in 0..4 {
+        for (k, (_, covariance)) in local.at.iter().enumerate() {
+            for (r, row) in covariance.iter().enumerate() {
                 let run = self.frames()[k][r][r] + self.process.scatter.shift[r].powi(2);
-                let known = covariance[r][r] + shared[r].powi(2);
-                sum += 0.25 * known / run.max(f64::MIN_POSITIVE);
+                let own = row[r] + local.shared[k][r].powi(2) + local.unknown[k][r].powi(2);
+                sum += 0.25 * own / run.max(f64::MIN_POSITIVE);
             }
         }
         sum / self.knots.len() as f64
@@ -287,6 +291,17 @@ impl Emulator {
         let shift = vec![self.process.scatter.shift; self.knots.len()];
         let unsure = Some(&local.unsure).filter(|u| !u.is_empty());
         let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain(unsure).collect();
+        // What the surface does not know, at each speed in independent parts.
+        let parts = |w: &Vec<f64>| -> Vec<[f64; 4]> {
+            let mut parts = vec![[0.0; 4]; self.knots.len()];
+            for ((w, own), row) in w.iter().zip(&local.unknown).zip(&self.alongside) {
+                for (part, factor) in parts.iter_mut().zip(row) {
+                    part.iter_mut().zip(own).for_each(|(p, u)| *p += w * factor * u);
+                }
+            }
+            parts
+        };
+        let unknown: Vec<Vec<[f64; 4]>> = spline.iter().map(parts).collect();
         let mut covariance = vec![0.0; n * n];
         for a in 0..speeds_rpm.len() {
             for b in 0..=a {
@@ -300,6 +315,11 @@ impl Emulator {
                     }
                 }
                 for (r, row) in block.iter_mut().enumerate() {
+                    for (s, c) in row.iter_mut().enumerate() {
+                        let both: f64 =
+                            unknown[a].iter().zip(&unknown[b]).map(|(p, q)| p[r] * q[s]).sum();
+                        *c += BESIDE[r][s] * both;
+                    }
                     for own in [&local.shared, &shift] {
                         for (s, c) in row.iter_mut().enumerate() {
                             let both = value(&spline[a], own, r) * value(&spline[b], own, s);

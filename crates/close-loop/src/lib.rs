@@ -19,6 +19,7 @@ mod curve;
 mod driver;
 mod emulator;
 mod error;
+mod ignorance;
 mod models;
 mod outcome;
 mod pairs;

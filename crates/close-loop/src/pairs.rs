@@ -10,7 +10,7 @@ use crate::confirm::Learned;
 use crate::driver::{State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::refine::{Asked, ENOUGH};
+use crate::refine::{Asked, TOLD};
 
 impl State<'_> {
     /// Models of the pairs that were simulated, by their names.
@@ -115,7 +115,7 @@ impl State<'_> {
             [(e, _), (f, _)] => self.pair_model(base, [e, f], own)?,
             _ => return Ok(None),
         };
-        let known = self.settled(&effects, &model, &at, ENOUGH[0]);
+        let known = self.settled(&effects, &model, &at, TOLD);
         Ok((!known).then_some(Asked { effects, at }))
     }
 

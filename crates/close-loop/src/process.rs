@@ -50,10 +50,12 @@ const FLOOR: f64 = 1e-4;
 pub(crate) type Shift = ([f64; 4], [[f64; 4]; 4]);
 
 /// What is known of the responses at a point.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Local {
-    /// By knot.
+    /// By knot, with the covariance that the frames of runs leave.
     pub(crate) at: Vec<Shift>,
+    /// Standard deviation of what the surface does not know, by knot, which goes together ([`crate::ignorance`]).
+    pub(crate) unknown: Vec<[f64; 4]>,
     /// Further standard deviation of each response, shared by all knots: shifts of the fillings that
     /// were simulated.
     pub(crate) shared: Vec<[f64; 4]>,
@@ -283,17 +285,18 @@ impl Process {
         self.outputs.iter().map(|four| std::array::from_fn(|r| value(four, r))).collect()
     }
 
-    /// Means at a point with their covariance, by knot. What the frames' scatter leaves is common to the
-    /// responses as the frames are; what the surface does not know is each response's own.
+    /// Means at a point with their covariance, by knot: what the scatter of runs leaves, and what the surface does not
+    /// know.
     pub(crate) fn moments(&self, z: &[f64]) -> Local {
         let n = self.coded.len();
         let to = self.to(z);
         let (own_q, own_s) = kernel(z, z, self.length);
-        let mut local = Local { at: Vec::new(), shared: Vec::new(), unsure: Vec::new() };
+        let mut local = Local::default();
         for ((four, frame), mean) in
             self.outputs.iter().zip(&self.scatter.frames).zip(self.mean_from(&to))
         {
             let mut shared = [0.0; 4];
+            let mut unknown = [0.0; 4];
             let mut weights: [Vec<f64>; 4] = Default::default();
             let mut covariance = [[0.0; 4]; 4];
             for r in 0..4 {
@@ -306,7 +309,9 @@ impl Process {
                 let square: f64 = weights[r].iter().map(|w| w * w).sum();
                 let of_fillings = (square * self.scatter.shift[r].powi(2)).min(all);
                 shared[r] = of_fillings.sqrt();
-                covariance[r][r] = all - of_fillings;
+                let of_frames = (square * frame[r][r]).min(all - of_fillings);
+                covariance[r][r] = of_frames;
+                unknown[r] = (all - of_fillings - of_frames).sqrt();
             }
             for r in 0..4 {
                 for s in 0..r {
@@ -318,6 +323,7 @@ impl Process {
                 }
             }
             local.at.push((mean, covariance));
+            local.unknown.push(unknown);
             local.shared.push(shared);
         }
         local
@@ -402,13 +408,13 @@ mod tests {
         for z in [[0.3, 0.0], [-1.4, 0.0], [1.9, 0.0], [1.7, 3.6], [2.1, 3.8]] {
             let local = process.moments(&z);
             let (mean, covariance) = local.at[0];
-            let sd = (covariance[0][0] + local.shared[0][0].powi(2)).sqrt();
+            let sd = (covariance[0][0] + local.shared[0][0].powi(2) + local.unknown[0][0].powi(2))
+                .sqrt();
             assert!((mean[0] - surface(&z)).abs() < 0.15, "{z:?} {} {}", mean[0], surface(&z));
             assert!((mean[0] - surface(&z)).abs() < 3.0 * sd && sd < 0.2, "{z:?} {sd}");
         }
         // Between them nothing is known to a tenth of a degree, and it is said.
-        let (_, covariance) = process.moments(&[-2.0, 3.0]).at[0];
-        assert!(covariance[0][0].sqrt() > 0.5);
+        assert!(process.moments(&[-2.0, 3.0]).unknown[0][0] > 0.5);
     }
 
     /// Numbers that look random, standard normal.

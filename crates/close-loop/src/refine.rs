@@ -18,8 +18,12 @@ const BATCH: usize = 2;
 /// about two runs at the point.
 const KNOWN: f64 = 0.6;
 
-/// Runs near a point that are enough: as long as others are open, and in any case.
-pub(crate) const ENOUGH: [usize; 2] = [3, 6];
+/// Runs near a point that are enough: as long as nothing was run near other points, as long as others are open, and in
+/// any case. Where a valley leads is learnt from other places of it, not from more fillings of one.
+pub(crate) const ENOUGH: [usize; 3] = [1, 3, 6];
+
+/// Runs near a point of which it can be said what is there.
+pub(crate) const TOLD: usize = ENOUGH[1];
 
 /// How near, coded units.
 const NEAR: f64 = 0.5;
@@ -36,12 +40,6 @@ const WORTH: f64 = 4.0;
 /// Probability of a fit, with what its model does not know, below which runs are better spent elsewhere.
 pub(crate) const FORLORN: f64 = 1e-6;
 
-/// Part of a deviance's surplus from what a model does not know that counts when places are put in order. A model that
-/// has seen an effect on one side of its null only takes each response at each speed to be unknown by itself; in truth
-/// they go together to some part. With a tenth, what nobody knew anything of was tried first, drag and stiffness before the
-/// cohesion that a drum had; with four tenths, what fits but is known on one side only comes after what is known not to fit.
-const TOGETHER: f64 = 0.3;
-
 /// What is to be run: effects, and the free parameters followed by their strengths.
 pub(crate) struct Asked {
     pub(crate) effects: Vec<Effect>,
@@ -54,8 +52,6 @@ struct Place<'m> {
     model: &'m Emulator,
     at: Vec<f64>,
     trial: Trial,
-    /// Deviance that may come of it.
-    promise: f64,
 }
 
 impl State<'_> {
@@ -188,7 +184,8 @@ impl State<'_> {
 
     /// Where effects that are simulated may explain the data as well as any that is known to: their optima,
     /// and the best strength at each of a number of frictions, since what is known least is often the far
-    /// end of a valley. Those that fit with what their models do not know come first, the most promising first.
+    /// end of a valley. Those that fit with what their models do not know come first, the most probable first: the
+    /// deviance counts what is unknown at a place.
     fn places<'m>(
         &self,
         base: &Emulator,
@@ -204,7 +201,7 @@ impl State<'_> {
                 let at = coded.decoded(&fit.theta);
                 let stands = match &coded.inner {
                     Model::Runs(model) => {
-                        self.settled(std::slice::from_ref(*effect), model, &at, ENOUGH[0])
+                        self.settled(std::slice::from_ref(*effect), model, &at, TOLD)
                     }
                     // A reading at the end of its range stands for something else.
                     Model::Curve(_) => {
@@ -233,22 +230,20 @@ impl State<'_> {
             }
             let trials = question.trials(k, &thetas)?;
             let sure = without.deviance - without.chi2;
-            let promise = |t: &Trial| promise(t, sure);
             let better = |a: &&(Vec<f64>, Trial), b: &&(Vec<f64>, Trial)| {
-                promise(&a.1).total_cmp(&promise(&b.1))
+                a.1.deviance.total_cmp(&b.1.deviance)
             };
             let all: Vec<(Vec<f64>, Trial)> = thetas.into_iter().zip(trials).collect();
             let along = all[first..].chunks(STRENGTHS + 1).filter_map(|c| c.iter().min_by(better));
             for (theta, trial) in all[..first].iter().chain(along) {
                 if hope(trial, sure).min(trial.deviance) <= limit {
-                    let (at, promise) = (coded.decoded(theta), promise(trial));
-                    places.push(Place { effect, model, at, trial: *trial, promise });
+                    places.push(Place { effect, model, at: coded.decoded(theta), trial: *trial });
                 }
             }
         }
         places.sort_by(|a, b| {
             let forlorn = |p: &Place<'_>| p.trial.p <= FORLORN;
-            forlorn(a).cmp(&forlorn(b)).then(a.promise.total_cmp(&b.promise))
+            forlorn(a).cmp(&forlorn(b)).then(a.trial.deviance.total_cmp(&b.trial.deviance))
         });
         Ok(places)
     }
@@ -314,12 +309,6 @@ fn hope(trial: &Trial, sure: f64) -> f64 {
     trial.chi2 + trial.penalty + sure
 }
 
-/// The same with what counts of its own surplus.
-fn promise(trial: &Trial, sure: f64) -> f64 {
-    let hope = hope(trial, sure);
-    hope + TOGETHER * (trial.deviance - hope).max(0.0)
-}
-
 fn paths(effects: &[Effect]) -> Vec<String> {
     effects.iter().map(|e| e.path.clone()).collect()
 }
@@ -346,17 +335,6 @@ mod tests {
     use crate::catalogue::Needs;
     use crate::scale::Scale;
     use calib::attribution::Layer;
-
-    #[test]
-    fn what_may_fit_is_tried_before_what_does_not() {
-        let place = |chi2, deviance| Trial { chi2, deviance, penalty: 0.0, p: 0.5 };
-        let of = |chi2, deviance| promise(&place(chi2, deviance), -40.0);
-        // A fit that is known, one of which little is known, a misfit that is known.
-        let all = [of(12.0, -28.0), of(0.1, 125.0), of(56.0, 19.0)];
-        assert!(all.is_sorted(), "{all:?}");
-        // Of two that may fit the one of which more is known comes first.
-        assert!(of(4.0, 0.0) < of(0.1, 125.0));
-    }
 
     #[test]
     fn one_drum_that_fails_does_not_forbid_what_others_have_shown() {
