@@ -25,7 +25,7 @@ const CONTRADICTED: f64 = 1e-3;
 const ROUND: usize = 1000;
 
 /// Members of a class that are confirmed.
-const CONFIRMED_MEMBERS: usize = 3;
+pub(crate) const CONFIRMED_MEMBERS: usize = 3;
 
 /// One model by fresh runs.
 #[derive(Clone)]
@@ -40,7 +40,7 @@ pub(crate) struct Fresh {
 /// What fresh runs of one effect or of two have shown: paths, runs.
 pub(crate) type Learned = (Vec<String>, Vec<Sample>);
 
-/// Fresh runs of what was found; `round` counts how often answers were refuted before.
+/// Fresh runs of what was found; `round` counts earlier answers.
 pub(crate) fn outcome(
     this: &CloseLoop<'_>,
     state: &mut State<'_>,
@@ -144,7 +144,7 @@ pub(crate) fn outcome(
         others,
         removed,
         confirmed,
-        refuted: round,
+        refuted: state.refuted,
         points,
         speeds_rpm: state.setup.knots.clone(),
         inflation: base.inflation(),
@@ -155,7 +155,7 @@ pub(crate) fn outcome(
         simulated: simulated(state),
         failed: state.runs.failed.clone(),
         left_out: state.setup.catalogue.left_out.clone(),
-        assumed: assumed(this, state, &base, round),
+        assumed: assumed(this, state, &base),
         finding,
     };
     Ok((outcome, learned))
@@ -350,13 +350,9 @@ fn figures(value: f64) -> String {
     format!("{value:.*}", (2.0 - size).clamp(0.0, 9.0) as usize)
 }
 
-fn assumed(
-    this: &CloseLoop<'_>,
-    state: &State<'_>,
-    base: &Emulator,
-    refuted: usize,
-) -> Vec<String> {
+fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<String> {
     let mut all = Vec::new();
+    let refuted = state.refuted;
     if refuted > 0 {
         all.push(format!(
             "Fresh runs refuted {refuted} answer{} before this one; the models learnt from them.",

@@ -8,7 +8,7 @@ use rig_schema::{Case, MeasuredTable, Rig};
 
 use crate::anchors::Whole;
 use crate::catalogue::Effect;
-use crate::confirm::{self, Fresh};
+use crate::confirm::{self, CONFIRMED_MEMBERS, Fresh};
 use crate::curve::Change;
 use crate::emulator::Sample;
 use crate::error::CloseLoopError;
@@ -88,6 +88,10 @@ pub(crate) const GRID: f64 = 0.5;
 pub(crate) struct State<'a> {
     pub(crate) setup: Setup,
     pub(crate) effort: Effort,
+    /// Runs that may be made.
+    pub(crate) most: usize,
+    /// Answers that fresh runs refuted.
+    pub(crate) refuted: usize,
     pub(crate) runs: Runs<'a>,
     pub(crate) base: Vec<Sample>,
     pub(crate) effects: ByEffect,
@@ -144,16 +148,20 @@ impl CloseLoop<'_> {
         let retries = if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
         let mut round = 0;
         loop {
-            let (mut outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
-            // Fresh runs that refute an answer are the best that its model can learn from.
-            let spare = self.spare(&state, 2);
+            let (outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
+            // Fresh runs that refute an answer are the best that its model can learn from; those of a class tell its
+            // members apart, where they cost no more than others.
+            let refuted = outcome.confirmed == Some(false);
+            let several = matches!(outcome.finding.verdict, Verdict::Class(_));
+            let open = several && outcome.members.len() > 1 && state.setup.cast.fresh.is_none();
+            let spare = self.spare(&state, if refuted { 2 } else { CONFIRMED_MEMBERS });
             let learns = learned.iter().any(|l| state.can_learn(l));
             let tired = round == retries || spare == 0;
-            if outcome.confirmed != Some(false) || tired || !learns {
-                outcome.refuted = round;
+            if !(refuted || open) || tired || !learns {
                 return Ok(outcome);
             }
             state.learn(learned);
+            state.refuted += usize::from(refuted);
             round += 1;
             finding = self.sharpen(&mut state, (2, 2), &self.settings.attribution, watch)?;
         }
@@ -169,8 +177,7 @@ impl CloseLoop<'_> {
         watch: &mut dyn FnMut(&Told),
     ) -> Result<Finding, CloseLoopError> {
         // What is left after this is for answers that fresh runs refute: those are what models learn most from.
-        let part =
-            |spare: usize| if self.settings.runs.is_some() { spare.div_ceil(2) } else { spare };
+        let part = |spare: usize| spare.div_ceil(2);
         state.refine(part(self.spare(state, singles)), settings, watch)?;
         let finding = state.attribute(&self.settings.attribution)?;
         let spare = part(self.spare(state, pairs));
@@ -183,11 +190,7 @@ impl CloseLoop<'_> {
 
     /// Runs that can be spent on refining if so many models are to be confirmed after it.
     fn spare(&self, state: &State<'_>, models: usize) -> usize {
-        let kept = state.runs.everyday + models * state.effort.confirm;
-        match self.settings.runs {
-            Some(most) => most.saturating_sub(kept),
-            None => state.effort.refine * state.effort.short_list,
-        }
+        state.most.saturating_sub(state.runs.everyday + models * state.effort.confirm)
     }
 
     /// Everything but the fresh runs: for studies of false alarms and of power.
@@ -200,11 +203,15 @@ impl CloseLoop<'_> {
 
     fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
-        let effort = setup.effort(self.settings.runs, simulated_effects(&setup))?;
+        let effects = simulated_effects(&setup);
+        let effort = setup.effort(self.settings.runs, effects)?;
+        let most = self.settings.runs.unwrap_or_else(|| effort.total(effects));
         let runs = Runs::new(self.lab, setup.cast, self.settings.seed);
         let mut state = State {
             setup,
             effort,
+            most,
+            refuted: 0,
             runs,
             base: Vec::new(),
             effects: ByEffect::new(),
