@@ -94,8 +94,9 @@ impl Emulator {
         let variance = (0..knots.len())
             .map(|k| std::array::from_fn(|r| about(&|s| s.variance[k][r])))
             .collect();
-        let process = Process::fit(coded, &mean, frames, &weight)?;
-        let (alongside, modes, anchors) = (alongside(&knots), Vec::new(), Vec::new());
+        let alongside = alongside(&knots);
+        let process = Process::fit(coded, &mean, frames, &alongside, &weight)?;
+        let (modes, anchors) = (Vec::new(), Vec::new());
         Ok(Self { axes, origin, knots, alongside, process, variance, modes, anchors })
     }
 

@@ -16,6 +16,8 @@ use calib::CalibError;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
+use crate::ignorance::BESIDE;
+
 /// Prior standard deviation of the constant about the mean of the runs, deg or percent of R.
 const CONSTANT: f64 = 15.0;
 /// Of a slope, for one coded unit.
@@ -99,11 +101,13 @@ struct Output {
 
 impl Process {
     /// Regression on runs at `coded` whose outputs are `mean` (by run and knot), with the covariance of
-    /// their frames by knot. How runs scatter is told by all of them, each with its weight.
+    /// their frames by knot; `alongside` is the factor of the correlation of knots ([`crate::ignorance`]). How runs scatter is
+    /// told by all of them, each with its weight.
     pub(crate) fn fit(
         coded: Vec<Vec<f64>>,
         mean: &[&[[f64; 4]]],
         frames: Vec<[[f64; 4]; 4]>,
+        alongside: &[Vec<f64>],
         weight: &[f64],
     ) -> Result<Self, CalibError> {
         let first = Self::with(coded, mean, frames, None)?;
@@ -112,7 +116,7 @@ impl Process {
         if sum * sum < LEAST_RUNS * squares {
             return Ok(first);
         }
-        let scatter = first.scatter_of_runs(weight);
+        let scatter = first.scatter_of_runs(alongside, weight);
         Self::with_scatter(first.coded, mean, &scatter)
     }
 
@@ -128,7 +132,7 @@ impl Process {
 
     /// How the runs scatter about what the others say of them: shifts that the speeds of a run share, from
     /// the products of its misses at different speeds; what is left beyond the frames, speed by speed.
-    fn scatter_of_runs(&self, weight: &[f64]) -> Scatter {
+    fn scatter_of_runs(&self, alongside: &[Vec<f64>], weight: &[f64]) -> Scatter {
         let frames = &self.scatter.frames;
         let (n, knots) = (self.coded.len(), self.outputs.len());
         // Miss of run i if it is left out, and the variance of that (Rasmussen and Williams, section 5.4.2).
@@ -138,14 +142,33 @@ impl Process {
         };
         let all: f64 = weight.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| (0..n).map(|i| weight[i] * of(i)).sum::<f64>() / all;
-        // Product of the misses of two responses at unlike speeds; with one speed there is nothing to tell
-        // shifts by.
+        // How much of the scatter of one run those that it is predicted from add, and what the surface does not know there.
+        let others = |k: usize, r: usize, i: usize| -> f64 {
+            let inverse = &self.outputs[k][r].inverse;
+            (0..n).filter(|j| *j != i).map(|j| (inverse[(i, j)] / inverse[(i, i)]).powi(2)).sum()
+        };
+        let unknown = |k: usize, r: usize, i: usize| -> f64 {
+            let noise = frames[k][r][r].max(FLOOR) + self.scatter.shift[r].powi(2);
+            (missed(k, r, i).1 - noise * (1.0 + others(k, r, i))).max(0.0).sqrt()
+        };
+        let rows = |of: &dyn Fn(usize, usize, usize) -> f64| -> Vec<[Vec<f64>; 4]> {
+            let row = |k: usize, r: usize| (0..n).map(|i| of(k, r, i)).collect();
+            (0..knots).map(|k| std::array::from_fn(|r| row(k, r))).collect()
+        };
+        let (of_others, unknown) = (rows(&others), rows(&unknown));
+        // Product of the misses of two responses at unlike speeds, less what the surface does not know at both; with
+        // one speed there is nothing to tell shifts by.
         let product = |r: usize, s: usize| {
             let (mut sum, mut count) = (0.0, 0.0f64);
             for k in 0..knots {
                 for l in (0..knots).filter(|l| *l != k) {
-                    sum += mean(&|i| missed(k, r, i).0 * missed(l, s, i).0);
-                    count += 1.0;
+                    let both: f64 =
+                        alongside[k].iter().zip(&alongside[l]).map(|(a, b)| a * b).sum();
+                    sum += mean(&|i| {
+                        let ignorance = BESIDE[r][s] * both * unknown[k][r][i] * unknown[l][s][i];
+                        missed(k, r, i).0 * missed(l, s, i).0 - ignorance
+                    });
+                    count += mean(&|i| 1.0 + (of_others[k][r][i] * of_others[l][s][i]).sqrt());
                 }
             }
             (count > 0.0).then(|| sum / count)
@@ -377,6 +400,7 @@ fn log_prior(value: f64, (middle, sd): (f64, f64)) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ignorance::alongside;
 
     /// Angle of a bed against the logarithm of friction: rises, then levels off; an effect that acts
     /// beyond a threshold.
@@ -403,7 +427,7 @@ mod tests {
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let mut frame = [[0.0005; 4]; 4];
         (0..4).for_each(|r| frame[r][r] = 0.001);
-        let process = Process::fit(coded, &rows, vec![frame], &[1.0; 29]).unwrap();
+        let process = Process::fit(coded, &rows, vec![frame], &[vec![1.0]], &[1.0; 29]).unwrap();
         // Absent, strong, and the frictions of either.
         for z in [[0.3, 0.0], [-1.4, 0.0], [1.9, 0.0], [1.7, 3.6], [2.1, 3.8]] {
             let local = process.moments(&z);
@@ -443,7 +467,8 @@ mod tests {
             .collect();
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let frame = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 0.09));
-        Process::fit(coded, &rows, vec![frame; 4], &[1.0; 40]).unwrap().scatter
+        let alongside = alongside(&[15.0, 30.0, 45.0, 60.0]);
+        Process::fit(coded, &rows, vec![frame; 4], &alongside, &[1.0; 40]).unwrap().scatter
     }
 
     #[test]

@@ -130,10 +130,9 @@ impl Judged<'_> {
         self.of.first().is_some_and(reading) && at_the_end(unit)
     }
 
-    /// Whether no strength is absent or at an end of its range.
+    /// Whether no strength is absent, and neither a strength nor a friction at an end of its range.
     pub(super) fn inside(&self) -> bool {
-        let strengths = &self.fit.point.unit[self.model.frictions()..];
-        strengths.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6)
+        self.fit.point.unit.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6)
     }
 
     /// Held-out errors against the base: the gain at one speed left out (else of the given set). A set of
@@ -345,8 +344,8 @@ pub(super) fn penalty(case: &Case<'_, '_>, of: &[usize], strengths: &[f64]) -> f
 ///
 /// Two strengths can imitate much that is not in the catalogue, so that a pair is held to more
 /// than a single effect. It is eligible if it fits at ten times the level; if each of its effects
-/// is needed (deviance beyond the class's ratio of either alone) and neither sits at an end of
-/// its range; if speeds left out agree better than with the best single effect; and if it is
+/// is needed (deviance beyond the class's ratio of either alone) and neither they nor a friction sit at an end of
+/// their range; if speeds left out agree better than with the best single effect; and if it is
 /// more probable than "unknown" at the priors given.
 fn fit_pairs<'s>(
     case: &Case<'_, 's>,
