@@ -61,7 +61,7 @@ pub(crate) fn outcome(
     };
     let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
     if state.before.is_none() {
-        state.before = fresh(state, &base, &finding.base.theta, &[], 0, watch)?;
+        state.before = fresh(state, &base, &finding.base.theta, &[], round, watch)?;
     }
     let Some(before) = state.before.clone() else {
         let asked = state.fillings();

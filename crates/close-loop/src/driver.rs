@@ -153,14 +153,19 @@ impl CloseLoop<'_> {
             // members apart, where they cost no more than others.
             let refuted = outcome.confirmed == Some(false);
             let several = matches!(outcome.finding.verdict, Verdict::Class(_));
-            let open = several && outcome.members.len() > 1 && state.setup.cast.fresh.is_none();
-            let spare = self.spare(&state, if refuted { 2 } else { CONFIRMED_MEMBERS });
+            // An alarm that fresh runs of the calibrated model do not bear out may be its surface's.
+            let level = self.settings.attribution.level;
+            let alarm = !outcome.members.is_empty() && outcome.before.errors.p_all > level;
+            let open = several && outcome.members.len() > 1 || alarm;
+            let open = open && state.setup.cast.fresh.is_none();
+            let spare = self.spare(&state, 1 + if refuted { 2 } else { CONFIRMED_MEMBERS });
             let learns = learned.iter().any(|l| state.can_learn(l));
             let tired = round == retries || spare == 0;
             if !(refuted || open) || tired || !learns {
                 return Ok(outcome);
             }
             state.learn(learned);
+            state.learn_base()?;
             state.refuted += usize::from(refuted);
             round += 1;
             finding = self.sharpen(&mut state, (2, 2), &self.settings.attribution, watch)?;

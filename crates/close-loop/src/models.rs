@@ -94,7 +94,7 @@ impl State<'_> {
             code_covariance: self.setup.codes.clone(),
             held_out: self.setup.held_out.clone(),
             experiments: Vec::new(),
-            settings: settings.clone(),
+            settings: Settings { errors_dof: Some(base.errors_dof()), ..settings.clone() },
         }
     }
 

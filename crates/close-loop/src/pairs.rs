@@ -128,6 +128,19 @@ impl State<'_> {
         }
     }
 
+    /// Take the fresh runs of the calibrated model into it: what seems to be missing may be its own error. It is shown by
+    /// others from then on.
+    pub(crate) fn learn_base(&mut self) -> Result<(), CloseLoopError> {
+        if self.setup.cast.whole.is_some() {
+            return Ok(());
+        }
+        if let Some(before) = self.before.take() {
+            self.base.extend(before.samples);
+            self.theta = self.best()?;
+        }
+        Ok(())
+    }
+
     /// Take fresh runs into the models of their effects: as runs, or as what tells by how much a stand-in is off.
     pub(crate) fn learn(&mut self, learned: Vec<Learned>) {
         for (names, samples) in learned {

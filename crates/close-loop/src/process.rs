@@ -40,8 +40,10 @@ const SHIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 const SHIFT: (f64, f64) = (0.3, 1.0);
 /// Least number of runs that tell how they scatter.
 const LEAST_RUNS: f64 = 8.0;
-/// Part of a correlation of shifts that the runs of one loop are sure of.
+/// Part of a correlation of shifts that many runs are sure of.
 const SURE: f64 = 0.9;
+/// Number of runs that are sure of half of that.
+const HALF_SURE: f64 = 6.0;
 /// Shifts that have nothing to do with each other.
 const ALONE: [[f64; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -179,7 +181,9 @@ impl Process {
             let seen = product(r, r);
             seen.map_or(asked, |p| p.max(0.0).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked))
         });
-        let together = correlation(shift, product);
+        let squares: f64 = weight.iter().map(|w| w * w).sum();
+        let runs = all * all / squares;
+        let together = correlation(SURE * runs / (runs + HALF_SURE), shift, product);
         let swings: Vec<f64> = (0..knots)
             .map(|k| {
                 let (mut sum, mut weights) = (0.0, f64::MIN_POSITIVE);
@@ -354,12 +358,16 @@ impl Process {
 }
 
 /// Correlations of shifts of these sizes from their products, drawn towards none as far as few runs ask for it.
-fn correlation(shift: [f64; 4], product: impl Fn(usize, usize) -> Option<f64>) -> [[f64; 4]; 4] {
+fn correlation(
+    sure: f64,
+    shift: [f64; 4],
+    product: impl Fn(usize, usize) -> Option<f64>,
+) -> [[f64; 4]; 4] {
     let mut all = ALONE;
     for r in 0..4 {
         for s in 0..r {
             let seen = 0.5 * (product(r, s).unwrap_or(0.0) + product(s, r).unwrap_or(0.0));
-            let value = (SURE * seen / (shift[r] * shift[s])).clamp(-SURE, SURE);
+            let value = (sure * seen / (shift[r] * shift[s])).clamp(-sure, sure);
             (all[r][s], all[s][r]) = (value, value);
         }
     }

@@ -154,6 +154,9 @@ pub struct Settings {
     pub bootstrap: usize,
     /// Draws for each verdict of the table of stability; 0 leaves the table out.
     pub stability_bootstrap: usize,
+    /// Degrees of freedom with which the size of the errors itself is known, where few runs tell it: draws are those of
+    /// Student's t with as many. `None` for errors that are known.
+    pub errors_dof: Option<f64>,
     /// Seed of all draws.
     pub seed: u64,
     /// Prior mass on "nothing is missing".
@@ -187,6 +190,7 @@ impl Default for Settings {
             level: 0.01,
             bootstrap: 999,
             stability_bootstrap: 299,
+            errors_dof: None,
             seed: 1,
             prior_none: 0.4,
             prior_unknown: 0.1,

@@ -191,6 +191,8 @@ impl Screen {
         let mut best_draws = Vec::with_capacity(draws);
         let mut improvement_draws = Vec::with_capacity(draws);
         let mut lags = 0;
+        let unsure =
+            settings.errors_dof.and_then(|dof| Some((dof, rand_distr::ChiSquared::new(dof).ok()?)));
         for k in 0..draws {
             if may_stop && k == EARLY {
                 let nothing = part(&chi2_draws, base.chi2) > NOTHING;
@@ -198,7 +200,10 @@ impl Screen {
                     break;
                 }
             }
-            let z: Vec<f64> = (0..data.len()).map(|_| StandardNormal.sample(&mut rng)).collect();
+            // Student's t in all data together: one size for all of a draw's errors.
+            let size = unsure.map_or(1.0, |(dof, d)| (dof / d.sample(&mut rng)).sqrt());
+            let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
+            let z: Vec<f64> = (0..data.len()).map(|_| size * normal(&mut rng)).collect();
             let noise = base.weight.colour(&z);
             let y: Vec<f64> = base.point.mean.iter().zip(&noise).map(|(m, e)| m + e).collect();
             let refit = search.best(&y, &start, COARSE)?;

@@ -6,6 +6,7 @@ use calib::{
     Simulator, chi_square_p,
 };
 use rig_schema::Response;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 const SPEEDS: [f64; 7] = [3.0, 5.0, 8.0, 12.0, 17.0, 21.0, 25.0];
 const ANGLE: [f64; 7] = [29.1, 29.6, 30.0, 30.2, 30.9, 30.4, 31.3];
@@ -155,6 +156,30 @@ fn what_speeds_that_are_fitted_tell_of_an_error_is_used_at_those_left_out() {
     let own = &left_out.responses[0];
     assert!((own.before - expected).abs() < 1e-3, "{} {expected}", own.before);
     assert!((own.after - expected).abs() < 1e-6, "{} {expected}", own.after);
+}
+
+#[test]
+fn errors_whose_size_few_runs_tell_make_the_gate_a_variance_ratio() {
+    let (base, line) = (Line(None), Line(Some(|slope| slope)));
+    let dof = 8.0;
+    let settings = Settings {
+        bootstrap: 3999,
+        stability_bootstrap: 0,
+        errors_dof: Some(dof),
+        ..Settings::default()
+    };
+    let angles = SPEEDS.into_iter().zip(ANGLE);
+    let attribution = question((&base, &line), angles, ((-0.5, 0.5), None), settings);
+    let gate = attribution.attribute().expect("is well posed").gate;
+    // Chi-square over its six degrees of freedom is Fisher's F with six and eight.
+    let fisher = FisherSnedecor::new(6.0, dof).expect("is well formed");
+    let p = fisher.sf(gate.chi2 / 6.0);
+    // Draws may stop early where nothing is seen.
+    let draws = gate.draws as f64;
+    let sd = (p * (1.0 - p) / draws).sqrt();
+    assert!((gate.p_bootstrap - p).abs() < 3.0 * sd + 1.0 / draws, "{} {p}", gate.p_bootstrap);
+    // With errors that are known it would be less.
+    assert!(gate.p_chi2 < 0.7 * p, "{} {p}", gate.p_chi2);
 }
 
 #[test]
