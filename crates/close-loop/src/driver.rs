@@ -75,7 +75,7 @@ pub struct CloseLoop<'a> {
     pub settings: &'a LoopSettings,
 }
 
-/// How often an answer that fresh runs refute is given up for another.
+/// How often a question is asked again with the fresh runs of its answer.
 const RETRIES: usize = 5;
 
 /// The same where every fresh run is of a rig whose cost a stand-in had to save.

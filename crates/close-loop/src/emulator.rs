@@ -7,7 +7,7 @@ use calib::{CalibError, Predicted, Simulator};
 
 use crate::anchors::{Anchor, Off, Whole, off};
 use crate::ignorance::{BESIDE, alongside};
-use crate::process::{Local, Process};
+use crate::process::{Local, Process, witnesses};
 use crate::scale::Scale;
 use crate::speeds::weights;
 
@@ -84,7 +84,6 @@ impl Emulator {
             None => vec![1.0; samples.len()],
         };
         let all: f64 = weight.iter().sum();
-        let witnesses = all * all / weight.iter().map(|w| w * w).sum::<f64>();
         let about = |of: &dyn Fn(&Sample) -> f64| {
             samples.iter().zip(&weight).map(|(s, w)| w * of(s)).sum::<f64>() / all
         };
@@ -97,7 +96,7 @@ impl Emulator {
         let variance = (0..knots.len())
             .map(|k| std::array::from_fn(|r| about(&|s| s.variance[k][r])))
             .collect();
-        let alongside = alongside(&knots);
+        let (alongside, witnesses) = (alongside(&knots)?, witnesses(&weight));
         let process = Process::fit(coded, &mean, frames, &alongside, &weight)?;
         let (modes, anchors) = (Vec::new(), Vec::new());
         Ok(Self { axes, origin, knots, alongside, witnesses, process, variance, modes, anchors })

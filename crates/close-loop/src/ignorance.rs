@@ -8,6 +8,9 @@
 //! below, -621 if every response at every speed is unknown by itself. What suits these misses best is 0.91, 0.72, -0.51, 0.62,
 //! -0.52, 0.2 between responses and 0.84 and more between speeds: a little beyond the numbers here, since other drums may differ.
 
+use calib::CalibError;
+use faer::{Mat, Side};
+
 /// Correlation of the four responses: whole line, middle line, centre of area across and up.
 pub(crate) const BESIDE: [[f64; 4]; 4] = [
     [1.0, 0.9, 0.75, -0.5],
@@ -24,23 +27,15 @@ const NEAR: f64 = 0.22;
 const LENGTH: f64 = 0.9;
 
 /// Lower factor of the correlation of speeds.
-pub(crate) fn alongside(speeds_rpm: &[f64]) -> Vec<Vec<f64>> {
-    let correlation = |a: f64, b: f64| {
-        let apart = (a / b).ln() / LENGTH;
-        ALL + NEAR * (-0.5 * apart * apart).exp()
+pub(crate) fn alongside(speeds_rpm: &[f64]) -> Result<Vec<Vec<f64>>, CalibError> {
+    let n = speeds_rpm.len();
+    let correlation = |i: usize, j: usize| {
+        let apart = (speeds_rpm[i] / speeds_rpm[j]).ln() / LENGTH;
+        if i == j { 1.0 } else { ALL + NEAR * (-0.5 * apart * apart).exp() }
     };
-    let mut lower: Vec<Vec<f64>> = Vec::with_capacity(speeds_rpm.len());
-    for (i, a) in speeds_rpm.iter().enumerate() {
-        let mut row: Vec<f64> = Vec::with_capacity(i + 1);
-        for (j, b) in speeds_rpm[..i].iter().enumerate() {
-            let known: f64 = row.iter().zip(&lower[j]).map(|(x, y)| x * y).sum();
-            row.push((correlation(*a, *b) - known) / lower[j][j]);
-        }
-        let known: f64 = row.iter().map(|x| x * x).sum();
-        row.push((1.0 - known).sqrt());
-        lower.push(row);
-    }
-    lower
+    let fault = |_| CalibError::Covariance { what: "speeds", size: n };
+    let factor = Mat::from_fn(n, n, correlation).llt(Side::Lower).map_err(fault)?;
+    Ok((0..n).map(|i| (0..=i).map(|j| factor.L()[(i, j)]).collect()).collect())
 }
 
 #[cfg(test)]
@@ -86,7 +81,7 @@ mod tests {
     #[test]
     fn the_factor_gives_the_correlation_back() {
         let speeds = [15.0, 25.0, 35.0, 45.0, 55.0, 70.0, 70.5];
-        let lower = alongside(&speeds);
+        let lower = alongside(&speeds).unwrap();
         let of = |i: usize, j: usize| -> f64 {
             lower[i].iter().zip(&lower[j]).map(|(a, b)| a * b).sum()
         };
@@ -95,7 +90,7 @@ mod tests {
         }
         // 15 and 70 rpm: 0.75 + 0.22 exp(-1.4648).
         assert!((of(0, 5) - 0.8009).abs() < 1e-4, "{}", of(0, 5));
-        assert_eq!(alongside(&[20.0]), vec![vec![1.0]]);
+        assert_eq!(alongside(&[20.0]).unwrap(), vec![vec![1.0]]);
     }
 
     #[test]

@@ -113,9 +113,7 @@ impl Process {
         weight: &[f64],
     ) -> Result<Self, CalibError> {
         let first = Self::with(coded, mean, frames, None)?;
-        let (sum, squares) =
-            weight.iter().fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
-        if sum * sum < LEAST_RUNS * squares {
+        if witnesses(weight) < LEAST_RUNS {
             return Ok(first);
         }
         let scatter = first.scatter_of_runs(alongside, weight);
@@ -149,15 +147,15 @@ impl Process {
             let inverse = &self.outputs[k][r].inverse;
             (0..n).filter(|j| *j != i).map(|j| (inverse[(i, j)] / inverse[(i, i)]).powi(2)).sum()
         };
-        let unknown = |k: usize, r: usize, i: usize| -> f64 {
-            let noise = frames[k][r][r].max(FLOOR) + self.scatter.shift[r].powi(2);
-            (missed(k, r, i).1 - noise * (1.0 + others(k, r, i))).max(0.0).sqrt()
-        };
         let rows = |of: &dyn Fn(usize, usize, usize) -> f64| -> Vec<[Vec<f64>; 4]> {
             let row = |k: usize, r: usize| (0..n).map(|i| of(k, r, i)).collect();
             (0..knots).map(|k| std::array::from_fn(|r| row(k, r))).collect()
         };
-        let (of_others, unknown) = (rows(&others), rows(&unknown));
+        let of_others = rows(&others);
+        let unknown = rows(&|k, r, i| {
+            let noise = frames[k][r][r].max(FLOOR) + self.scatter.shift[r].powi(2);
+            (missed(k, r, i).1 - noise * (1.0 + of_others[k][r][i])).max(0.0).sqrt()
+        });
         // Product of the misses of two responses at unlike speeds, less what the surface does not know at both; with
         // one speed there is nothing to tell shifts by.
         let product = |r: usize, s: usize| {
@@ -181,8 +179,7 @@ impl Process {
             let seen = product(r, r);
             seen.map_or(asked, |p| p.max(0.0).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked))
         });
-        let squares: f64 = weight.iter().map(|w| w * w).sum();
-        let runs = all * all / squares;
+        let runs = witnesses(weight);
         let together = correlation(SURE * runs / (runs + HALF_SURE), shift, product);
         let swings: Vec<f64> = (0..knots)
             .map(|k| {
@@ -357,6 +354,13 @@ impl Process {
     }
 }
 
+/// Number of runs that count alike and tell as much as runs with these weights.
+pub(crate) fn witnesses(weight: &[f64]) -> f64 {
+    let (sum, squares) =
+        weight.iter().fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+    sum * sum / squares
+}
+
 /// Correlations of shifts of these sizes from their products, drawn towards none as far as few runs ask for it.
 fn correlation(
     sure: f64,
@@ -475,7 +479,7 @@ mod tests {
             .collect();
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let frame = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 0.09));
-        let alongside = alongside(&[15.0, 30.0, 45.0, 60.0]);
+        let alongside = alongside(&[15.0, 30.0, 45.0, 60.0]).unwrap();
         Process::fit(coded, &rows, vec![frame; 4], &alongside, &[1.0; 40]).unwrap().scatter
     }
 

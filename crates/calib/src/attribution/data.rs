@@ -179,7 +179,8 @@ impl Weight {
         w
     }
 
-    /// Rows of `L` from `first` on, from that column on: the factor of the covariance of what follows, given all before.
+    /// Rows of `L` from `first` on, from that column on: the factor of the covariance of what follows, given all before, with
+    /// its zeros.
     pub(super) fn given(&self, first: usize) -> Vec<&[f64]> {
         self.lower.chunks_exact(self.n).skip(first).map(|row| &row[first..]).collect()
     }

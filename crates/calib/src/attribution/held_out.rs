@@ -60,8 +60,8 @@ pub(super) fn predict(
     let joint = all.weight(&there, None)?;
     let known = train.len();
     let rest = |v: &[f64]| joint.whiten(v).split_off(known);
-    let miss: Vec<f64> = all.y.iter().zip(&mean).map(|(y, m)| y - m).collect();
-    let miss = rest(&miss);
+    let residual: Vec<f64> = all.y.iter().zip(&mean).map(|(y, m)| y - m).collect();
+    let miss = rest(&residual);
     let slopes: Vec<Vec<f64>> =
         raw_slopes(model, all, &solved.unit, &mean)?.iter().map(|s| rest(s)).collect();
     // Whitened errors have the covariance of what the parameters leave added to one.
@@ -80,21 +80,14 @@ pub(super) fn predict(
     let fault = CalibError::Covariance { what: "predicted points", size: n };
     let factor = cholesky(&both).ok_or(fault)?;
     let chi2 = dot(&miss, &solve(&factor, &miss));
-    let colour = |row: &[f64], of: &dyn Fn(usize) -> f64| -> f64 {
-        row.iter().enumerate().map(|(j, l)| l * of(j)).sum()
-    };
-    let points = joint.given(known).into_iter().enumerate().map(|(i, row)| {
-        let item = &all.items[known + i];
-        let total = colour(row, &|j| row[j] * both[j][j])
-            + 2.0 * (0..n).map(|j| row[j] * colour(&row[..j], &|k| both[j][k])).sum::<f64>();
-        Predicted {
+    let points =
+        joint.given(known).into_iter().zip(&all.items[known..]).map(|(row, item)| Predicted {
             omega_rpm: item.omega_rpm,
             response: item.response,
-            error: colour(row, &|j| miss[j]),
+            error: dot(row, &miss),
             noise: dot(row, row),
-            total,
-        }
-    });
+            total: both.iter().zip(row).map(|(b, l)| l * dot(b, row)).sum(),
+        });
     Ok(Fold { points: points.collect(), chi2 })
 }
 
