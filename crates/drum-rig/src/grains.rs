@@ -193,6 +193,11 @@ impl Grains {
         self.total_mass() / self.density
     }
 
+    /// Volume of a particle of scale 1, m3.
+    pub(crate) fn mean_volume(&self) -> f64 {
+        self.mass / self.density
+    }
+
     /// Radius of the ball that has the volume of the mean particle, m.
     pub fn equivalent_radius(&self) -> f64 {
         (0.75 * self.mass / self.density / std::f64::consts::PI).cbrt()

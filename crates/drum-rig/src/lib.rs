@@ -55,6 +55,7 @@ mod schedule;
 mod script;
 mod soft;
 mod stationary;
+mod volume;
 
 pub use assemble::DEFAULT_STEP_OVER_RAYLEIGH;
 pub use coarse::{Coarsening, coarse};
@@ -68,6 +69,7 @@ pub use regime::{Regime, froude};
 pub use script::Phase;
 pub use soft::soft;
 pub use stationary::{Mean, mean_of};
+pub use volume::{SolidVolume, solid_volume};
 
 /// Standard gravity as the engines of the field take it, m/s2.
 pub const GRAVITY: f64 = 9.81;
