@@ -185,6 +185,11 @@ impl Weight {
         self.lower.chunks_exact(self.n).skip(first).map(|row| &row[first..]).collect()
     }
 
+    /// Diagonal of the covariance.
+    pub(super) fn variances(&self) -> Vec<f64> {
+        self.lower.chunks_exact(self.n).map(|row| row.iter().map(|l| l * l).sum()).collect()
+    }
+
     /// `L z`.
     pub(super) fn colour(&self, z: &[f64]) -> Vec<f64> {
         let rows = self.lower.chunks_exact(self.n);

@@ -138,8 +138,8 @@ pub struct Ranked {
     pub p_family: f64,
     /// Posterior probability.
     pub evidence: f64,
-    /// Mean squared error at speeds left out, in squared standard deviations, base less this
-    /// model: positive is better. `None` where no speed can be left out.
+    /// Mean squared residual at speeds left out, in variances, base less this model: positive is better. Of the models' own
+    /// predictions, without what residuals at the other speeds tell. `None` where no speed can be left out.
     pub held_out_gain: Option<f64>,
     /// Responses that it worsens at speeds left out by more than one standard deviation of the
     /// prediction (columns).

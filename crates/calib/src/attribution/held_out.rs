@@ -16,7 +16,11 @@ use crate::CalibError;
 pub(super) struct Predicted {
     pub(super) omega_rpm: f64,
     pub(super) response: Response,
-    /// Measured minus predicted.
+    /// Measured minus what the fitted model says by itself, with the nuisances of the fit.
+    pub(super) residual: f64,
+    /// Variance of measurement and simulator, nuisances aside.
+    pub(super) alone: f64,
+    /// Measured minus predicted, given the residuals of what was fitted.
     pub(super) error: f64,
     /// Variance of measurement and simulator, as far as what was fitted does not tell it.
     pub(super) noise: f64,
@@ -80,14 +84,27 @@ pub(super) fn predict(
     let fault = CalibError::Covariance { what: "predicted points", size: n };
     let factor = cholesky(&both).ok_or(fault)?;
     let chi2 = dot(&miss, &solve(&factor, &miss));
-    let points =
-        joint.given(known).into_iter().zip(&all.items[known..]).map(|(row, item)| Predicted {
+    // Nuisances are those of the fit; what else other speeds tell is not the model's.
+    let nuisances = train.nuisance_posterior(&weight, &solved.white);
+    let variance = joint.variances();
+    let alone = |i: usize| {
+        let each = || nuisances.iter().zip(&all.nuisance);
+        let moved: f64 = each().map(|((estimate, _), g)| estimate * g[i]).sum();
+        (residual[i] - moved, variance[i] - each().map(|(_, g)| g[i] * g[i]).sum::<f64>())
+    };
+    let given = joint.given(known);
+    let points = given.into_iter().zip(&all.items[known..]).enumerate().map(|(k, (row, item))| {
+        let (residual, alone) = alone(known + k);
+        Predicted {
             omega_rpm: item.omega_rpm,
             response: item.response,
+            residual,
+            alone,
             error: dot(row, &miss),
             noise: dot(row, row),
             total: both.iter().zip(row).map(|(b, l)| l * dot(b, row)).sum(),
-        });
+        }
+    });
     Ok(Fold { points: points.collect(), chi2 })
 }
 
@@ -133,10 +150,12 @@ impl Compared {
         self.folds += other.folds;
     }
 
-    /// Mean over the points of the squared error in standard deviations, before less after.
+    /// Mean over the points of the squared residual in variances, before less after: of the models' own predictions,
+    /// without what the residuals of other speeds tell. With that a model that is off by as much everywhere predicts well.
     pub(super) fn gain(&self) -> Option<f64> {
         let n = self.before.len();
-        let each = self.before.iter().zip(&self.after).map(|(b, a)| difference(b, a));
+        let both = self.before.iter().zip(&self.after);
+        let each = both.map(|(b, a)| (b.residual.powi(2) - a.residual.powi(2)) / b.alone);
         (n > 0).then(|| each.sum::<f64>() / n as f64)
     }
 
