@@ -7,11 +7,15 @@
 //! The smaller of their nominal p-values is ranked among the draws' smaller ones, so that the
 //! rate of false alarms of the combination is the level, not twice the level: nothing need be
 //! split, and errors of the nominal values cancel.
+//!
+//! Where the size of the errors is itself known with few degrees of freedom only, what the effect leaves tells of it too: an
+//! improvement is counted in variances of both together, as in the analysis of variance, so that one and the same
+//! improvement counts for more beside a small rest than beside a large one ([`Errors`]).
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use super::data::{Data, Variation, Weight};
 use super::model::Model;
@@ -150,16 +154,54 @@ impl Null {
     }
 }
 
+/// What is known of the size of all errors in common.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Errors {
+    /// Degrees of freedom of the base's residual.
+    dof: usize,
+    /// Those with which the size was known before; `None` for a size that is known.
+    known: Option<f64>,
+}
+
+impl Errors {
+    /// An improvement of chi-square in variances as all that is left tells them: Fisher's F with one and all other degrees of
+    /// freedom if there is one linear effect, and nothing is missing.
+    pub(super) fn counted(self, improvement: f64, chi2: f64) -> f64 {
+        let Some(known) = self.known else { return improvement };
+        let rest = (chi2 - improvement).max(0.0);
+        improvement * (known + self.dof as f64 - 1.0) / (known + rest)
+    }
+
+    /// Nominal probability of such a chi-square.
+    fn p_chi2(self, chi2: f64) -> f64 {
+        let dof = self.dof as f64;
+        match self.known.and_then(|known| FisherSnedecor::new(dof, known).ok()) {
+            Some(f) => f.sf(chi2 / dof),
+            None => chi_square_p(chi2, self.dof),
+        }
+    }
+
+    /// Chi-square that is exceeded with probability `p`.
+    fn chi2_at(self, p: f64) -> f64 {
+        let dof = self.dof as f64;
+        match self.known.and_then(|known| FisherSnedecor::new(dof, known).ok()) {
+            Some(f) => dof * f.inverse_cdf(1.0 - p),
+            None => quantile(self.dof, p),
+        }
+    }
+}
+
 /// The gate with everything that later steps need.
 pub(super) struct Screen {
     pub(super) base: Settled,
     pub(super) improvements: Vec<f64>,
-    /// Improvements of each draw.
+    pub(super) errors: Errors,
+    /// Improvements of each draw, as counted.
     improvement_draws: Vec<Vec<f64>>,
     pub(super) gate: Gate,
     /// Chi-square above which the omnibus part rejects.
     pub(super) critical_chi2: f64,
-    /// Best improvement above which the focused part rejects.
+    /// Best improvement, as counted, above which the focused part rejects.
     pub(super) critical_improvement: f64,
 }
 
@@ -183,7 +225,11 @@ impl Screen {
         };
         let improvements = improve(&data.y, base.chi2)?;
         let lag1 = data.lag1(&base.white);
-        let best = highest(&improvements);
+        let errors = Errors { dof: data.len() - case.base.len(), known: settings.errors_dof };
+        let count = |all: &[f64], chi2: f64| -> Vec<f64> {
+            all.iter().map(|i| errors.counted(*i, chi2)).collect()
+        };
+        let best = highest(&count(&improvements, base.chi2));
         let search = Search { model: &case.base, data, weight: &base.weight };
         let start = [base.point.clone()];
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
@@ -208,7 +254,7 @@ impl Screen {
             let y: Vec<f64> = base.point.mean.iter().zip(&noise).map(|(m, e)| m + e).collect();
             let refit = search.best(&y, &start, COARSE)?;
             let (chi2, white) = refit.map_or((square(&z), z), |s| (s.chi2, s.white));
-            let gained = improve(&y, chi2)?;
+            let gained = count(&improve(&y, chi2)?, chi2);
             chi2_draws.push(chi2);
             best_draws.push(highest(&gained));
             improvement_draws.push(gained);
@@ -217,8 +263,7 @@ impl Screen {
         let made = chi2_draws.len();
         let p_bootstrap = part(&chi2_draws, base.chi2);
         let p_focused = part(&best_draws, best);
-        let dof = data.len() - case.base.len();
-        let joint = Joint::new(dof, &best_draws);
+        let joint = Joint::new(errors, &best_draws);
         let own = joint.smaller(base.chi2, best);
         let mut smaller: Vec<f64> =
             chi2_draws.iter().zip(&best_draws).map(|(c, b)| joint.smaller(*c, *b)).collect();
@@ -230,8 +275,8 @@ impl Screen {
         let critical = smaller.get(place.saturating_sub(1)).copied().unwrap_or(0.0);
         let gate = Gate {
             chi2: base.chi2,
-            dof,
-            p_chi2: chi_square_p(base.chi2, dof),
+            dof: errors.dof,
+            p_chi2: chi_square_p(base.chi2, errors.dof),
             p_bootstrap,
             p_focused,
             p_combined,
@@ -243,6 +288,7 @@ impl Screen {
         Ok(Self {
             base,
             improvements,
+            errors,
             improvement_draws,
             gate,
             critical_chi2: joint.chi2_at(critical),
@@ -253,7 +299,7 @@ impl Screen {
     /// Probability of candidate `k`'s improvement, of itself and of the best of all. Draws are searched about the base, where it
     /// is known; what is found far from there, by `deviance` better than the base, counts by that.
     pub(super) fn p_values(&self, k: usize, deviance: f64) -> (f64, f64) {
-        let value = self.improvements[k].max(deviance);
+        let value = self.errors.counted(self.improvements[k].max(deviance), self.base.chi2);
         let of = |draw: &dyn Fn(&Vec<f64>) -> f64| {
             let above = self.improvement_draws.iter().filter(|d| draw(d) >= value).count();
             (1 + above) as f64 / (1 + self.improvement_draws.len()) as f64
@@ -274,7 +320,7 @@ fn part(draws: &[f64], value: f64) -> f64 {
 /// The two tests on one scale: nominal p-values that are continuous, so that few draws rank them
 /// without ties. Their own errors do not matter, since the smaller one is ranked among draws.
 struct Joint {
-    dof: usize,
+    errors: Errors,
     /// Number of independent effects that would raise the best improvement as the catalogue
     /// does, from the median of the draws.
     effects: f64,
@@ -288,13 +334,13 @@ struct Joint {
 const CHANCE: f64 = 1.5;
 
 impl Joint {
-    fn new(dof: usize, best_draws: &[f64]) -> Self {
+    fn new(errors: Errors, best_draws: &[f64]) -> Self {
         let mut sorted = best_draws.to_vec();
         sorted.sort_by(f64::total_cmp);
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let q = chi_square_p(median, 1);
         let effects = if q < 1.0 { 0.5_f64.ln() / (-q).ln_1p() } else { 1.0 };
-        let mut joint = Self { dof, effects: effects.max(1.0), stretch: 1.0 };
+        let mut joint = Self { errors, effects: effects.max(1.0), stretch: 1.0 };
         let ratio = |(rank, best): (usize, &f64)| {
             best / joint.improvement_at((rank + 1) as f64 / (sorted.len() + 1) as f64)
         };
@@ -309,11 +355,11 @@ impl Joint {
     fn smaller(&self, chi2: f64, best: f64) -> f64 {
         let q = chi_square_p(best / self.stretch, 1);
         let focused = if q < 1.0 { -(self.effects * (-q).ln_1p()).exp_m1() } else { 1.0 };
-        chi_square_p(chi2, self.dof).min(focused)
+        self.errors.p_chi2(chi2).min(focused)
     }
 
     fn chi2_at(&self, p: f64) -> f64 {
-        quantile(self.dof, p)
+        self.errors.chi2_at(p)
     }
 
     fn improvement_at(&self, p: f64) -> f64 {
@@ -334,10 +380,11 @@ mod tests {
     fn draws_that_gain_enormously_do_not_drown_a_large_chi_square() {
         // Hundred draws as one effect gives, and five in a hundred of a model that does not nest.
         let mut draws: Vec<f64> = (1..=95).map(|k| quantile(1, f64::from(k) / 96.0)).collect();
-        let plain = Joint::new(11, &draws);
+        let errors = Errors { dof: 11, known: None };
+        let plain = Joint::new(errors, &draws);
         assert!((plain.stretch - 1.0).abs() < 1e-12);
         draws.extend([60.0, 80.0, 100.0, 120.0, 140.0]);
-        let joint = Joint::new(11, &draws);
+        let joint = Joint::new(errors, &draws);
         let own = joint.smaller(49.8, 3.0);
         let drowning = draws.iter().filter(|b| joint.smaller(11.0, **b) <= own).count();
         assert_eq!(drowning, 0, "stretch {}", joint.stretch);

@@ -67,7 +67,7 @@ pub(super) fn overturn(case: &Case<'_, '_>, screen: &Screen) -> Result<Overturn,
         for model in &varied.singles {
             let null = Null::new(model, &varied.data, &base)?;
             let gained = null.improvement(model, &varied.data, &varied.data.y, base.chi2)?;
-            if gained > screen.critical_improvement {
+            if screen.errors.counted(gained, base.chi2) > screen.critical_improvement {
                 return Ok(false);
             }
         }

@@ -178,6 +178,15 @@ fn errors_whose_size_few_runs_tell_make_the_gate_a_variance_ratio() {
     let draws = gate.draws as f64;
     let sd = (p * (1.0 - p) / draws).sqrt();
     assert!((gate.p_bootstrap - p).abs() < 3.0 * sd + 1.0 / draws, "{} {p}", gate.p_bootstrap);
+    // A slope's improvement over what all that is left tells of the variance: one degree of freedom, and 5 and 8.
+    let gained = {
+        let [sxx, sxy, _] = sums();
+        sxy * sxy / sxx / (SD * SD)
+    };
+    let rest = (dof + gate.chi2 - gained) / (dof + 5.0);
+    let one = FisherSnedecor::new(1.0, dof + 5.0).expect("is well formed").sf(gained / rest);
+    let sd = (one * (1.0 - one) / draws).sqrt();
+    assert!((gate.p_focused - one).abs() < 3.0 * sd + 1.0 / draws, "{} {one}", gate.p_focused);
     // With errors that are known it would be less.
     assert!(gate.p_chi2 < 0.7 * p, "{} {p}", gate.p_chi2);
 }
