@@ -80,6 +80,7 @@ mod tests {
             mean: vec![std::array::from_fn(|r| 20.0 + 10.0 * at.ln() + r as f64 + up)],
             covariance: vec![noise],
             variance: vec![[1.5e-3; 4]],
+            excess: 0.0,
         }
     }
 

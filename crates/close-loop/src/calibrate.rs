@@ -123,7 +123,8 @@ impl State<'_> {
     }
 
     pub(crate) fn dress(&self, model: Emulator) -> Emulator {
-        model.with_modes(self.modes.clone()).anchored(&self.wholes)
+        let model = model.with_modes(self.modes.clone()).with_volume_sd(self.setup.volume_sd);
+        model.anchored(&self.wholes)
     }
 
     pub(crate) fn problem<'m>(&self, base: &'m Emulator) -> Problem<'m> {

@@ -2,7 +2,6 @@
 
 use calib::attribution::{Finding, Verdict};
 use calib::{Nuisance, Observations, chi_square_p};
-use campaign::Run;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
 use rig_schema::Response;
@@ -15,7 +14,7 @@ use crate::error::CloseLoopError;
 use crate::outcome::{Errors, Outcome, Side, SpeedResponse, StrengthOf};
 use crate::predict::{predicted_rows, predictions};
 use crate::process::Local;
-use crate::runs::{rig_with_all, sample};
+use crate::runs::{Made, rig_with_all, sample};
 
 /// Level below which fresh runs contradict the winner, at fitted and held-out speeds together. A right
 /// answer that falls below it by chance is simulated again, so the level costs runs, not answers.
@@ -220,7 +219,7 @@ pub(crate) fn fresh(
         let label = if effects.is_empty() { "the calibrated model".to_owned() } else { named };
         rigs.push((format!("{label}, fresh"), with));
     }
-    let mut runs: Vec<Run> =
+    let mut runs: Vec<Made> =
         state.runs.all(Stage::Confirm, &rigs, watch)?.into_iter().flatten().collect();
     if runs.is_empty() {
         return Ok(None);
@@ -228,13 +227,20 @@ pub(crate) fn fresh(
     // Speeds to predict are set aside; the rest is as in every other run.
     let asked = predicted_rows(&mut runs, &state.setup);
     let n = runs.len() as f64;
-    let mean = |k: usize, r: usize| runs.iter().map(|run| run.speeds[k].mean[r]).sum::<f64>() / n;
+    // As if they had the volume that is expected.
+    let excess = runs.iter().map(|m| m.excess).sum::<f64>() / n;
+    let of_volume = base.of_volume(theta);
+    let mean = |k: usize, r: usize| {
+        let seen = runs.iter().map(|m| m.run.speeds[k].mean[r]).sum::<f64>() / n;
+        seen - excess * of_volume[k][r]
+    };
     let shared = vec![base.shift().map(|s| s / n.sqrt()); base.knots().len()];
     let at = base.frames().iter().enumerate();
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
     let unknown = vec![[0.0; 4]; base.knots().len()];
-    let local = Local { at: at.collect(), unknown, shared, unsure: Vec::new() };
+    let unsure = Vec::new();
+    let local = Local { at: at.collect(), unknown, shared, unsure, of_volume: of_volume.clone() };
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let mut distinct: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
@@ -304,7 +310,7 @@ pub(crate) fn fresh(
         p: chi_square_p(chi2, dof),
         p_all,
     };
-    let predictions = predictions(&asked, &state.setup, base, &nuisance);
+    let predictions = predictions(&asked, (excess, &of_volume), &state.setup, base, &nuisance);
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));
@@ -376,8 +382,17 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<Stri
     }
     let [lin, mid, x, y] = base.shift();
     all.push(format!(
-        "The measured drum is one filling of many: from one to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
+        "The measured drum is one filling of many: from one of the same volume to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
     ));
+    let volume = 100.0 * state.setup.volume_sd;
+    if volume >= 0.05 {
+        let middle = state.setup.knots[state.setup.knots.len() / 2];
+        let [lin, mid, x, y] =
+            base.of_volume_at(&base.of_volume(&state.theta), middle).map(|g| 0.01 * g);
+        all.push(format!(
+            "Particles of a spread of sizes that are counted have a volume to {volume:.1} %; one per cent more moves the responses at {middle} rpm by {lin:+.2} and {mid:+.2} deg, {x:+.2} and {y:+.2} % of R. The volume of every simulated filling is known, that of the measured one is not."
+        ));
+    }
     let swings = state.setup.knots.iter().map(|k| (*k, base.swings(*k)));
     if let Some((rpm, most)) = swings.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|s| s.1 > 1.05) {
         all.push(format!(

@@ -33,6 +33,8 @@ pub struct Sample {
     pub covariance: Vec<[[f64; 4]; 4]>,
     /// Variance of one frame, at each knot.
     pub variance: Vec<[f64; 4]>,
+    /// By how much more solid its filling held than is expected of the rig, as a part of that.
+    pub excess: f64,
 }
 
 /// A model of the simulator, made of its runs.
@@ -52,6 +54,8 @@ pub struct Emulator {
     modes: Vec<Vec<[f64; 4]>>,
     /// By how much it is off from a whole rig that it stands in for.
     anchors: Vec<Anchor>,
+    /// Standard deviation of the volume of the measured filling, as a part of it.
+    volume_sd: f64,
 }
 
 impl Emulator {
@@ -78,11 +82,13 @@ impl Emulator {
         samples: &[Sample],
         point: Option<&[f64]>,
     ) -> Result<Self, CalibError> {
-        let (coded, mean) = runs(&axes, &origin, samples)?;
-        let weight: Vec<f64> = match point.map(|p| code(&axes, &origin, p)) {
-            Some(point) => coded.iter().map(|c| nearness(c, &point)).collect(),
+        let (coded, mean, excess) = runs(&axes, &origin, samples)?;
+        let point = point.map(|p| code(&axes, &origin, p));
+        let weight: Vec<f64> = match &point {
+            Some(point) => coded.iter().map(|c| nearness(c, point)).collect(),
             None => vec![1.0; samples.len()],
         };
+        let point = point.unwrap_or_else(|| vec![0.0; axes.len()]);
         let all: f64 = weight.iter().sum();
         let about = |of: &dyn Fn(&Sample) -> f64| {
             samples.iter().zip(&weight).map(|(s, w)| w * of(s)).sum::<f64>() / all
@@ -97,9 +103,20 @@ impl Emulator {
             .map(|k| std::array::from_fn(|r| about(&|s| s.variance[k][r])))
             .collect();
         let (alongside, witnesses) = (alongside(&knots)?, witnesses(&weight));
-        let process = Process::fit(coded, &mean, frames, &alongside, &weight)?;
+        let process = Process::fit((coded, excess), &point, &mean, frames, &alongside, &weight)?;
         let (modes, anchors) = (Vec::new(), Vec::new());
-        Ok(Self { axes, origin, knots, alongside, witnesses, process, variance, modes, anchors })
+        Ok(Self {
+            axes,
+            origin,
+            knots,
+            alongside,
+            witnesses,
+            process,
+            variance,
+            modes,
+            anchors,
+            volume_sd: 0.0,
+        })
     }
 
     /// The same for other runs at this model's knots, which scatter as those of this one do.
@@ -109,12 +126,10 @@ impl Emulator {
         origin: Vec<f64>,
         samples: &[Sample],
     ) -> Result<Self, CalibError> {
-        let (coded, mean) = runs(&axes, &origin, samples)?;
-        let process = Process::with_scatter(coded, &mean, &self.process.scatter)?;
-        let (knots, variance) = (self.knots.clone(), self.variance.clone());
-        let (alongside, witnesses) = (self.alongside.clone(), self.witnesses);
+        let (coded, mean, excess) = runs(&axes, &origin, samples)?;
+        let process = self.process.of_others((coded, excess), &mean)?;
         let (modes, anchors) = (Vec::new(), Vec::new());
-        Ok(Self { axes, origin, knots, alongside, witnesses, process, variance, modes, anchors })
+        Ok(Self { axes, origin, process, modes, anchors, ..self.clone() })
     }
 
     /// Shift the model of a stand-in by what it is off from runs of the whole rig: of those without effects, and with no others than
@@ -144,8 +159,12 @@ impl Emulator {
         let stand_in = self.process.moments(&z);
         let scatter = &self.process.scatter;
         let knots = || stand_in.at.iter().enumerate();
+        let of_volume = &stand_in.of_volume;
         let mean = knots()
-            .map(|(k, (own, _))| std::array::from_fn(|r| whole.mean[k][r] - own[r]))
+            .map(|(k, (own, _))| {
+                let more = |r: usize| whole.excess * of_volume[k][r];
+                std::array::from_fn(|r| whole.mean[k][r] - more(r) - own[r])
+            })
             .collect();
         let with = |of: &[[f64; 4]; 4], factor: f64, own: [f64; 4]| {
             std::array::from_fn(|r| {
@@ -187,6 +206,28 @@ impl Emulator {
     pub fn with_modes(mut self, modes: Vec<Vec<[f64; 4]>>) -> Self {
         self.modes = modes;
         self
+    }
+
+    /// For a measured filling whose volume is known to this standard deviation, as a part of it.
+    #[must_use]
+    pub fn with_volume_sd(mut self, relative_sd: f64) -> Self {
+        self.volume_sd = relative_sd;
+        self
+    }
+
+    /// Change of the responses at the knots for twice the volume, as far as fillings tell that have a little more or less.
+    pub fn of_volume(&self, at: &[f64]) -> Vec<[f64; 4]> {
+        self.process.of_volume(&code(&self.axes, &self.origin, at))
+    }
+
+    /// The same at any speed, from that at the knots.
+    pub(crate) fn of_volume_at(&self, of_volume: &[[f64; 4]], omega_rpm: f64) -> [f64; 4] {
+        std::array::from_fn(|r| self.linear(omega_rpm, |k| of_volume[k][r]))
+    }
+
+    /// Standard deviation of the volume of the measured filling, as a part of it.
+    pub(crate) fn volume_sd(&self) -> f64 {
+        self.volume_sd
     }
 
     /// Standard deviation of the shift of each response, common to all speeds, from one filling of the drum
@@ -302,6 +343,9 @@ impl Emulator {
         let shift = vec![self.process.scatter.shift; self.knots.len()];
         let unsure = Some(&local.unsure).filter(|u| !u.is_empty());
         let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain(unsure).collect();
+        // How much solid the measured filling holds is known to a part.
+        let of_volume = |g: &[f64; 4]| g.map(|g| self.volume_sd * g);
+        let volume: Vec<[f64; 4]> = local.of_volume.iter().map(of_volume).collect();
         // What the surface does not know, at each speed in independent parts.
         let parts = |w: &Vec<f64>| -> Vec<[f64; 4]> {
             let mut parts = vec![[0.0; 4]; self.knots.len()];
@@ -337,7 +381,7 @@ impl Emulator {
                             *c += self.process.scatter.together[r][s] * both;
                         }
                     }
-                    for mode in &modes {
+                    for mode in modes.iter().copied().chain([&volume]) {
                         for (s, c) in row.iter_mut().enumerate() {
                             *c += value(&spline[a], mode, r) * value(&spline[b], mode, s);
                         }
@@ -385,15 +429,16 @@ impl Simulator for Emulator {
     }
 }
 
-/// Coordinates of runs, and their means by knot.
-type Coded<'s> = (Vec<Vec<f64>>, Vec<&'s [[f64; 4]]>);
+/// Coordinates of runs, their means by knot, and the excess of their volumes.
+type Coded<'s> = (Vec<Vec<f64>>, Vec<&'s [[f64; 4]]>, Vec<f64>);
 
 fn runs<'s>(axes: &[Axis], origin: &[f64], samples: &'s [Sample]) -> Result<Coded<'s>, CalibError> {
     if samples.len() < 2 {
         return Err(CalibError::TooFewRuns { runs: samples.len(), terms: 1, needed: 2 });
     }
     let coded = samples.iter().map(|s| code(axes, origin, &s.at)).collect();
-    Ok((coded, samples.iter().map(|s| &s.mean[..]).collect()))
+    let excess = samples.iter().map(|s| s.excess).collect();
+    Ok((coded, samples.iter().map(|s| &s.mean[..]).collect(), excess))
 }
 
 /// Weight of a run in what is told of a point: a standard deviation is one coded unit.

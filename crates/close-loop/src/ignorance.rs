@@ -52,7 +52,7 @@ mod tests {
             let at = 0.3 + 0.02 * f64::from(k);
             let mean = std::array::from_fn(|r| 20.0 + 10.0 * at.ln() + r as f64);
             let (mean, covariance) = (vec![mean; 2], vec![noise; 2]);
-            Sample { at: vec![at], mean, covariance, variance: vec![[1e-3; 4]; 2] }
+            Sample { at: vec![at], mean, covariance, variance: vec![[1e-3; 4]; 2], excess: 0.0 }
         };
         let runs: Vec<Sample> = (0..9).map(run).collect();
         let axes = vec![Axis { path: "friction.pp".to_owned(), scale: Scale::Log, unit: 0.35 }];

@@ -33,6 +33,7 @@ mod scale;
 mod speeds;
 mod stand_in;
 mod table;
+mod volume;
 mod whole_rig;
 
 pub use catalogue::{Catalogue, Effect, Needs};

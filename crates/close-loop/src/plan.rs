@@ -2,6 +2,7 @@
 
 use calib::attribution::{CodeCovariance, Settings as AttributionSettings};
 use calib::{FrameCorrelation, FreeParameter, Nuisance, Observations};
+use campaign::{CampaignError, drum_rig};
 use rig_schema::{Case, Layer, MeasuredTable, Rig, Simulator, namespace};
 
 use crate::catalogue::Catalogue;
@@ -177,6 +178,8 @@ pub(crate) struct Setup {
     pub(crate) catalogue: Catalogue,
     /// Speeds to predict, rpm.
     pub(crate) predict: Vec<f64>,
+    /// Standard deviation of the volume of a filling of the rig, as a part of it.
+    pub(crate) volume_sd: f64,
     /// By how much codes differ.
     pub(crate) codes: Option<CodeCovariance>,
 }
@@ -240,8 +243,10 @@ impl Setup {
         if !case.catalogue.only.is_empty() {
             catalogue = catalogue.only(&case.catalogue.only);
         }
+        let volume_sd = drum_rig::solid_volume(&rig).map_err(CampaignError::from)?.relative_sd;
         Ok(Self {
             rig,
+            volume_sd,
             cast,
             free,
             axes,

@@ -6,7 +6,7 @@ use crate::catalogue::{Effect, Needs};
 use crate::curve::Change;
 use crate::driver::{Stage, State, Told, is_simulated};
 use crate::error::CloseLoopError;
-use crate::runs::{rig_with, sample};
+use crate::runs::{Made, rig_with, sample};
 use crate::scale::Scale;
 
 impl State<'_> {
@@ -165,8 +165,8 @@ impl State<'_> {
             let mut own = vec![[0.0; 4]; knots];
             for i in 0..knots {
                 for r in 0..4 {
-                    let (z, d, u) =
-                        (zero.speeds[i].mean[r], down.speeds[i].mean[r], up.speeds[i].mean[r]);
+                    let seen = |made: &Made| made.run.speeds[i].mean[r];
+                    let (z, d, u) = (seen(zero), seen(down), seen(up));
                     own[i][r] = 0.5 * (u - d);
                     first[i][r] += own[i][r];
                     second[i][r] += 0.5 * (u + d) - z;

@@ -17,6 +17,7 @@ use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
 use crate::ignorance::BESIDE;
+use crate::volume::{Told, Volume};
 
 /// Prior standard deviation of the constant about the mean of the runs, deg or percent of R.
 const CONSTANT: f64 = 15.0;
@@ -26,6 +27,12 @@ const SLOPE: f64 = 6.0;
 const CURVATURE: f64 = 2.0;
 /// Of a product of two coordinates.
 const PRODUCT: f64 = 1.5;
+/// Of what more solid in the drum does, for twice as much: one per cent moves the centre of area by half a per cent of R.
+const VOLUME: f64 = 60.0;
+/// Of how that changes over a coded unit.
+const VOLUME_CHANGES: f64 = 20.0;
+/// Excess of volume below which fillings are alike.
+const SAME: f64 = 1e-6;
 /// Lengths of the remainder that are tried, coded units.
 const LENGTHS: [f64; 3] = [0.8, 1.2, 1.8];
 /// Length that is expected, with the standard deviation of its logarithm.
@@ -66,6 +73,8 @@ pub(crate) struct Local {
     /// One more standard deviation, common to knots and responses in this proportion: what a stand-in may be off by. Empty
     /// for none.
     pub(crate) unsure: Vec<[f64; 4]>,
+    /// Change for twice the volume, by knot.
+    pub(crate) of_volume: Vec<[f64; 4]>,
 }
 
 /// How one run differs from the next of the same drum.
@@ -87,6 +96,8 @@ pub(crate) struct Scatter {
 pub(crate) struct Process {
     /// Coded coordinates of the runs.
     coded: Vec<Vec<f64>>,
+    /// What more volume does; the outputs are those of the volume expected.
+    volume: Volume,
     amplitude: [f64; 4],
     length: f64,
     pub(crate) scatter: Scatter,
@@ -102,32 +113,70 @@ struct Output {
 }
 
 impl Process {
-    /// Regression on runs at `coded` whose outputs are `mean` (by run and knot), with the covariance of
+    /// Regression on runs at coded coordinates, with the excess of their volumes, whose outputs are `mean` (by run and knot), with the covariance of
     /// their frames by knot; `alongside` is the factor of the correlation of knots ([`crate::ignorance`]). How runs scatter is
     /// told by all of them, each with its weight.
     pub(crate) fn fit(
-        coded: Vec<Vec<f64>>,
+        (coded, excess): (Vec<Vec<f64>>, Vec<f64>),
+        point: &[f64],
         mean: &[&[[f64; 4]]],
         frames: Vec<[[f64; 4]; 4]>,
         alongside: &[Vec<f64>],
         weight: &[f64],
     ) -> Result<Self, CalibError> {
-        let first = Self::with(coded, mean, frames, None)?;
+        let mut volume = Volume::none(frames.len());
+        if excess.iter().any(|e| e.abs() > SAME) {
+            let open = Self::with(coded.clone(), mean, frames.clone(), None, Some(&excess))?;
+            volume = open.volume_of_runs(&excess, point);
+        }
+        let mean = level(&volume, &coded, &excess, mean);
+        let rows: Vec<&[[f64; 4]]> = mean.iter().map(|m| &m[..]).collect();
+        let first = Self::with(coded, &rows, frames, None, None)?;
         if witnesses(weight) < LEAST_RUNS {
-            return Ok(first);
+            return Ok(Self { volume, ..first });
         }
         let scatter = first.scatter_of_runs(alongside, weight);
-        Self::with_scatter(first.coded, mean, &scatter)
+        let process =
+            Self::with(first.coded, &rows, scatter.frames.clone(), Some(scatter.shift), None)?;
+        Ok(Self { scatter, volume, ..process })
     }
 
-    /// The same where it is known how runs scatter.
-    pub(crate) fn with_scatter(
-        coded: Vec<Vec<f64>>,
+    /// The same for other runs, which scatter as those of this one do and to which volume does the same.
+    pub(crate) fn of_others(
+        &self,
+        (coded, excess): (Vec<Vec<f64>>, Vec<f64>),
         mean: &[&[[f64; 4]]],
-        scatter: &Scatter,
     ) -> Result<Self, CalibError> {
-        let process = Self::with(coded, mean, scatter.frames.clone(), Some(scatter.shift))?;
-        Ok(Self { scatter: scatter.clone(), ..process })
+        let (scatter, volume) = (self.scatter.clone(), self.volume.clone());
+        let mean = level(&volume, &coded, &excess, mean);
+        let rows: Vec<&[[f64; 4]]> = mean.iter().map(|m| &m[..]).collect();
+        let process = Self::with(coded, &rows, scatter.frames.clone(), Some(scatter.shift), None)?;
+        Ok(Self { scatter, volume, ..process })
+    }
+
+    /// What more volume does about a point, by runs whose volumes were left in their outputs.
+    fn volume_of_runs(&self, excess: &[f64], point: &[f64]) -> Volume {
+        let n = excess.len();
+        let to: Vec<f64> =
+            self.coded.iter().zip(excess).map(|(c, e)| e * of_volume(c, point)).collect();
+        let told = |o: &Output| {
+            let weights = |i: usize| (0..n).map(|j| o.inverse[(i, j)] * to[j]).sum::<f64>();
+            let known: f64 = (0..n).map(|i| to[i] * weights(i)).sum();
+            let slope = o.alpha.iter().zip(&to).map(|(a, t)| a * t).sum();
+            Told { slope, variance: (of_volume(point, point) - known).max(0.0) }
+        };
+        let all: Vec<[Told; 4]> =
+            self.outputs.iter().map(|four| std::array::from_fn(|r| told(&four[r]))).collect();
+        let knots = self.outputs.len() as f64;
+        let gradient = |d: usize| {
+            let own = |o: &Output| {
+                let each = o.alpha.iter().zip(excess).zip(&self.coded);
+                each.map(|((a, e), c)| VOLUME_CHANGES.powi(2) * a * e * c[d]).sum::<f64>()
+            };
+            std::array::from_fn(|r| self.outputs.iter().map(|o| own(&o[r])).sum::<f64>() / knots)
+        };
+        let gradient = (0..point.len()).map(gradient).collect();
+        Volume::of_runs(point.to_vec(), &all, gradient)
     }
 
     /// How the runs scatter about what the others say of them: shifts that the speeds of a run share, from
@@ -204,16 +253,25 @@ impl Process {
         Scatter { shift, together, swings, frames }
     }
 
-    /// With the covariance of a run's means by knot; the shift of fillings is found if it is not given.
+    /// With the covariance of a run's means by knot; the shift of fillings is found if it is not given, and what more volume
+    /// does if volumes are in excess of the one expected.
     fn with(
         coded: Vec<Vec<f64>>,
         mean: &[&[[f64; 4]]],
         frames: Vec<[[f64; 4]; 4]>,
         given: Option<[f64; 4]>,
+        excess: Option<&[f64]>,
     ) -> Result<Self, CalibError> {
         let n = coded.len();
         let kernels = |length: f64| -> Vec<(f64, f64)> {
-            (0..n * n).map(|k| kernel(&coded[k / n], &coded[k % n], length)).collect()
+            (0..n * n)
+                .map(|k| {
+                    let (i, j) = (k / n, k % n);
+                    let (q, s) = kernel(&coded[i], &coded[j], length);
+                    let more = |e: &[f64]| e[i] * e[j] * of_volume(&coded[i], &coded[j]);
+                    (q + excess.map_or(0.0, more), s)
+                })
+                .collect()
         };
         let system = |kernels: &[(f64, f64)], amplitude: f64, noise: f64| {
             Mat::from_fn(n, n, |i, j| {
@@ -287,10 +345,16 @@ impl Process {
         }
         let swings = vec![1.0; frames.len()];
         let scatter = Scatter { shift, together: ALONE, swings, frames };
-        Ok(Self { coded, amplitude, length, scatter, outputs: fitted })
+        let volume = Volume::none(scatter.swings.len());
+        Ok(Self { coded, volume, amplitude, length, scatter, outputs: fitted })
     }
 
-    /// Means at a point, by knot.
+    /// Change of the means at a point for twice the volume, by knot.
+    pub(crate) fn of_volume(&self, z: &[f64]) -> Vec<[f64; 4]> {
+        self.volume.at(z)
+    }
+
+    /// Means at a point of a drum with the volume expected, by knot.
     pub(crate) fn mean(&self, z: &[f64]) -> Vec<[f64; 4]> {
         self.mean_from(&self.to(z))
     }
@@ -315,7 +379,7 @@ impl Process {
         let n = self.coded.len();
         let to = self.to(z);
         let (own_q, own_s) = kernel(z, z, self.length);
-        let mut local = Local::default();
+        let mut local = Local { of_volume: self.of_volume(z), ..Local::default() };
         for ((four, frame), mean) in
             self.outputs.iter().zip(&self.scatter.frames).zip(self.mean_from(&to))
         {
@@ -388,6 +452,26 @@ fn correlation(
     ALONE
 }
 
+/// Outputs as those of the volume expected.
+fn level(
+    volume: &Volume,
+    coded: &[Vec<f64>],
+    excess: &[f64],
+    mean: &[&[[f64; 4]]],
+) -> Vec<Vec<[f64; 4]>> {
+    let own = |((z, e), rows): ((&Vec<f64>, &f64), &&[[f64; 4]])| {
+        let less = |(row, g): (&[f64; 4], [f64; 4])| std::array::from_fn(|r| row[r] - e * g[r]);
+        rows.iter().zip(volume.at(z)).map(less).collect()
+    };
+    coded.iter().zip(excess).zip(mean).map(own).collect()
+}
+
+/// Prior covariance of what more volume does at two points.
+fn of_volume(a: &[f64], b: &[f64]) -> f64 {
+    let both: f64 = a.iter().zip(b).map(|(x, y)| x * y).sum();
+    VOLUME * VOLUME + VOLUME_CHANGES * VOLUME_CHANGES * both
+}
+
 /// The quadratic's part and the remainder's, whose amplitude is 1 here.
 fn kernel(a: &[f64], b: &[f64], length: f64) -> (f64, f64) {
     let (mut slope, mut square, mut apart) = (0.0, 0.0, 0.0);
@@ -439,7 +523,15 @@ mod tests {
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let mut frame = [[0.0005; 4]; 4];
         (0..4).for_each(|r| frame[r][r] = 0.001);
-        let process = Process::fit(coded, &rows, vec![frame], &[vec![1.0]], &[1.0; 29]).unwrap();
+        let process = Process::fit(
+            (coded, vec![0.0; 29]),
+            &[0.0; 2],
+            &rows,
+            vec![frame],
+            &[vec![1.0]],
+            &[1.0; 29],
+        )
+        .unwrap();
         // Absent, strong, and the frictions of either.
         for z in [[0.3, 0.0], [-1.4, 0.0], [1.9, 0.0], [1.7, 3.6], [2.1, 3.8]] {
             let local = process.moments(&z);
@@ -480,7 +572,8 @@ mod tests {
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let frame = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 0.09));
         let alongside = alongside(&[15.0, 30.0, 45.0, 60.0]).unwrap();
-        Process::fit(coded, &rows, vec![frame; 4], &alongside, &[1.0; 40]).unwrap().scatter
+        let runs = (coded, vec![0.0; 40]);
+        Process::fit(runs, &[0.0], &rows, vec![frame; 4], &alongside, &[1.0; 40]).unwrap().scatter
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use campaign::{CampaignError, Laboratory, Run};
+use campaign::{CampaignError, Laboratory, Run, drum_rig};
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rig_schema::Rig;
@@ -12,6 +12,13 @@ use crate::driver::{Stage, Told};
 use crate::emulator::{Axis, Sample, distance_squared};
 use crate::error::CloseLoopError;
 use crate::stand_in::{Cast, StandIn};
+
+/// A run, and what is known of its filling.
+pub(crate) struct Made {
+    pub(crate) run: Run,
+    /// By how much more solid it held than is expected of the rig, as a part of that.
+    pub(crate) excess: f64,
+}
 
 /// Everything simulated so far, and what failed.
 pub(crate) struct Runs<'a> {
@@ -48,7 +55,7 @@ impl<'a> Runs<'a> {
         stage: Stage,
         rigs: &[(String, Rig)],
         watch: &mut dyn FnMut(&Told),
-    ) -> Result<Vec<Option<Run>>, CloseLoopError> {
+    ) -> Result<Vec<Option<Made>>, CloseLoopError> {
         let whole = matches!(stage, Stage::Full | Stage::Confirm) && self.cast.whole.is_some();
         let stand_in = if whole { self.cast.whole } else { Some(self.cast.everyday) };
         let stand_in = stand_in.unwrap_or(StandIn::NONE);
@@ -72,14 +79,17 @@ impl<'a> Runs<'a> {
         for (rig, (label, _)) in described.into_iter().zip(rigs) {
             let result = match rig {
                 // One result for each rig that was described.
-                Ok(_) => results.next().ok_or(CampaignError::Stopped).flatten(),
+                Ok(rig) => results.next().ok_or(CampaignError::Stopped).flatten().and_then(|run| {
+                    let excess = drum_rig::solid_volume(&rig)?.excess();
+                    Ok(Made { run, excess })
+                }),
                 Err(e) => Err(e.into()),
             };
             match result {
-                Ok(run) => {
-                    self.cost_s += run.cost_s;
-                    self.steps += run.steps;
-                    runs.push(Some(run));
+                Ok(made) => {
+                    self.cost_s += made.run.cost_s;
+                    self.steps += made.run.steps;
+                    runs.push(Some(made));
                 }
                 Err(CampaignError::Stopped) => return Err(CloseLoopError::Stopped),
                 Err(e @ (CampaignError::Unwritable { .. } | CampaignError::Unreadable { .. })) => {
@@ -150,12 +160,13 @@ pub(crate) fn rig_with_all(
 }
 
 /// What a run showed, at a point.
-pub(crate) fn sample(at: Vec<f64>, run: &Run) -> Sample {
+pub(crate) fn sample(at: Vec<f64>, Made { run, excess }: &Made) -> Sample {
     Sample {
         at,
         mean: run.speeds.iter().map(|s| s.mean).collect(),
         covariance: run.speeds.iter().map(|s| s.covariance).collect(),
         variance: run.speeds.iter().map(|s| s.sd.map(|sd| sd * sd)).collect(),
+        excess: *excess,
     }
 }
 
