@@ -75,6 +75,10 @@ pub struct CloseLoop<'a> {
     pub settings: &'a LoopSettings,
 }
 
+/// Probability of the gate by first runs above which nothing more is looked for. What friction absorbs best leaves
+/// little at the calibrated point and is far from it, where nobody has looked yet.
+const OPEN: f64 = 0.5;
+
 /// How often a question is asked again with the fresh runs of its answer.
 const RETRIES: usize = 5;
 
@@ -147,6 +151,7 @@ impl CloseLoop<'_> {
         }
         let retries = if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
         let mut round = 0;
+        let mut looked_on = false;
         loop {
             let (outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
             // Fresh runs that refute an answer are the best that its model can learn from; those of a class tell its
@@ -162,7 +167,23 @@ impl CloseLoop<'_> {
             let learns = learned.iter().any(|l| state.can_learn(l));
             let tired = round == retries || spare == 0;
             if !(refuted || open) || tired || !learns {
-                return Ok(outcome);
+                // What was kept for answers that are refuted looks on where nobody has looked, once.
+                let left = self.spare(&state, 1 + CONFIRMED_MEMBERS);
+                let gate = &outcome.finding.gate;
+                let settled = gate.passes && gate.p_combined > OPEN;
+                if looked_on || left == 0 || settled || state.setup.cast.fresh.is_some() {
+                    return Ok(outcome);
+                }
+                looked_on = true;
+                state.learn(learned);
+                let before = state.runs.everyday;
+                state.refine(left, &self.settings.attribution, watch)?;
+                if state.runs.everyday == before {
+                    return Ok(outcome);
+                }
+                round += 1;
+                finding = state.attribute(&self.settings.attribution)?;
+                continue;
             }
             state.learn(learned);
             state.learn_base()?;
@@ -236,7 +257,7 @@ impl CloseLoop<'_> {
             ..self.settings.attribution.clone()
         };
         let first = state.attribute(&quick)?;
-        let finding = if first.gate.passes && first.gate.p_combined > 0.05 {
+        let finding = if first.gate.passes && first.gate.p_combined > OPEN {
             state.attribute(&self.settings.attribution)?
         } else {
             self.sharpen(&mut state, (4, 3), &quick, watch)?

@@ -22,6 +22,7 @@ mod error;
 mod ignorance;
 mod models;
 mod outcome;
+mod outlook;
 mod pairs;
 mod plan;
 mod predict;

@@ -2,13 +2,13 @@
 //! does there.
 
 use calib::CalibError;
-use calib::attribution::{Settings, Trial, at_the_end};
+use calib::attribution::Settings;
 
 use crate::catalogue::Effect;
-use crate::coded::{Coded, Model};
 use crate::driver::{GRID, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
+use crate::outlook::{Outlook, Place};
 use crate::runs::{rig_with_all, sample};
 
 /// Runs between two looks at the models: two, so that two cores are busy, whatever the number of workers.
@@ -31,12 +31,6 @@ const NEAR: f64 = 0.5;
 /// Least distance of two points of an effect that are run together, coded units.
 const APART: f64 = 0.9;
 
-/// Intervals of a strength's range at whose ends it is tried.
-const STRENGTHS: usize = 24;
-
-/// Deviance by which an effect must be better than the base to be simulated.
-const WORTH: f64 = 4.0;
-
 /// Probability of a fit, with what its model does not know, below which runs are better spent elsewhere.
 pub(crate) const FORLORN: f64 = 1e-6;
 
@@ -44,14 +38,6 @@ pub(crate) const FORLORN: f64 = 1e-6;
 pub(crate) struct Asked {
     pub(crate) effects: Vec<Effect>,
     pub(crate) at: Vec<f64>,
-}
-
-/// A point of one effect.
-struct Place<'m> {
-    effect: &'m Effect,
-    model: &'m Emulator,
-    at: Vec<f64>,
-    trial: Trial,
 }
 
 impl State<'_> {
@@ -133,7 +119,7 @@ impl State<'_> {
     }
 
     /// Points at which a drum with these effects could not be simulated.
-    fn lost(&self, effects: &[Effect]) -> &[Vec<f64>] {
+    pub(crate) fn lost(&self, effects: &[Effect]) -> &[Vec<f64>] {
         self.lost.get(&paths(effects)).map_or(&[], |l| &l[..])
     }
 
@@ -152,27 +138,33 @@ impl State<'_> {
         known || self.lost(effects).iter().any(|x| near(x))
     }
 
-    /// Points at which effects may explain the data best and at which too little is known of them: first
-    /// where hardly anything is, then where more would tell.
+    /// Points at which effects may explain the data best and at which too little is known of them, in turn with those
+    /// at which an effect would have to be if it were what is missing; then where more would tell.
     fn doubtful(&self, count: usize, settings: &Settings) -> Result<Vec<Asked>, CalibError> {
         let base = self.base_model()?;
         let models = self.models(&base)?;
-        let places = self.places(&base, &models, settings)?;
-        for enough in ENOUGH {
+        let Outlook { places, far } = self.outlook(&base, &models, settings)?;
+        for (k, enough) in ENOUGH.into_iter().enumerate() {
             let mut points: Vec<Asked> = Vec::new();
-            let open = places
-                .iter()
-                .filter(|p| !self.settled(std::slice::from_ref(p.effect), p.model, &p.at, enough));
-            for place in open {
-                if points.len() == count {
+            let open = |p: &&Place<'_>| {
+                !self.settled(std::slice::from_ref(p.effect), p.model, &p.at, enough)
+            };
+            let mut near = places.iter().filter(open);
+            let mut away = far.iter().take(if k == 0 { far.len() } else { 0 });
+            while points.len() < count {
+                let both = [near.next(), away.next()];
+                if both.iter().all(Option::is_none) {
                     break;
                 }
-                let at = self.on_grid(place.effect, &place.at);
-                let beside = |a: &Asked| {
-                    a.effects[0].path == place.effect.path && place.model.apart(&a.at, &at) < APART
-                };
-                if !points.iter().any(beside) {
-                    points.push(Asked { effects: vec![place.effect.clone()], at });
+                for place in both.into_iter().flatten() {
+                    let at = self.on_grid(place.effect, &place.at);
+                    let beside = |a: &Asked| {
+                        a.effects[0].path == place.effect.path
+                            && place.model.apart(&a.at, &at) < APART
+                    };
+                    if points.len() < count && !points.iter().any(beside) {
+                        points.push(Asked { effects: vec![place.effect.clone()], at });
+                    }
                 }
             }
             if !points.is_empty() {
@@ -180,94 +172,6 @@ impl State<'_> {
             }
         }
         Ok(Vec::new())
-    }
-
-    /// Where effects that are simulated may explain the data as well as any that is known to: their optima,
-    /// and the best strength at each of a number of frictions, since what is known least is often the far
-    /// end of a valley. Those that fit with what their models do not know come first, the most probable first: the
-    /// deviance counts what is unknown at a place.
-    fn places<'m>(
-        &self,
-        base: &Emulator,
-        models: &'m [(&'m Effect, Coded)],
-        settings: &Settings,
-    ) -> Result<Vec<Place<'m>>, CalibError> {
-        let question = self.question(base, models, &[], settings);
-        let (without, optima) = question.fits()?;
-        let mut limit = without.deviance - WORTH;
-        // Only what may be as good as something known that fits is worth a run.
-        for (own, (effect, coded)) in optima.iter().zip(models) {
-            for fit in own.iter().filter(|f| f.p > settings.level) {
-                let at = coded.decoded(&fit.theta);
-                let stands = match &coded.inner {
-                    Model::Runs(model) => {
-                        self.settled(std::slice::from_ref(*effect), model, &at, TOLD)
-                    }
-                    // A reading at the end of its range stands for something else.
-                    Model::Curve(_) => {
-                        let (low, high) = coded.range(effect.range);
-                        let part = fit.theta.last().map(|v| (v - low) / (high - low));
-                        part.is_some_and(|p| !at_the_end(p))
-                    }
-                };
-                if stands {
-                    limit = limit.min(fit.deviance + settings.class_deviance());
-                }
-            }
-        }
-        let frictions = self.frictions();
-        let mut places = Vec::new();
-        for (k, (own, (effect, coded))) in optima.iter().zip(models).enumerate() {
-            let Model::Runs(model) = &coded.inner else { continue };
-            let (low, high) = coded.range(effect.range);
-            let mut thetas: Vec<Vec<f64>> = own.iter().map(|f| f.theta.clone()).collect();
-            let first = thetas.len();
-            for friction in &frictions {
-                for s in 0..=STRENGTHS {
-                    let v = low + (high - low) * s as f64 / STRENGTHS as f64;
-                    thetas.push(friction.iter().copied().chain([v]).collect());
-                }
-            }
-            let trials = question.trials(k, &thetas)?;
-            let sure = without.deviance - without.chi2;
-            let better = |a: &&(Vec<f64>, Trial), b: &&(Vec<f64>, Trial)| {
-                a.1.deviance.total_cmp(&b.1.deviance)
-            };
-            let all: Vec<(Vec<f64>, Trial)> = thetas.into_iter().zip(trials).collect();
-            let along = all[first..].chunks(STRENGTHS + 1).filter_map(|c| c.iter().min_by(better));
-            for (theta, trial) in all[..first].iter().chain(along) {
-                if hope(trial, sure).min(trial.deviance) <= limit {
-                    places.push(Place { effect, model, at: coded.decoded(theta), trial: *trial });
-                }
-            }
-        }
-        places.sort_by(|a, b| {
-            let forlorn = |p: &Place<'_>| p.trial.p <= FORLORN;
-            forlorn(a).cmp(&forlorn(b)).then(a.trial.deviance.total_cmp(&b.trial.deviance))
-        });
-        Ok(places)
-    }
-
-    /// Values of the free parameters, equally spaced in their coordinates, in all combinations.
-    fn frictions(&self) -> Vec<Vec<f64>> {
-        let each = match self.setup.free.len() {
-            0 | 1 => 11,
-            2 => 6,
-            _ => 4,
-        };
-        let mut all = vec![Vec::new()];
-        for (axis, free) in self.setup.axes.iter().zip(&self.setup.free) {
-            let (low, high) = (axis.scale.forth(free.range.0), axis.scale.forth(free.range.1));
-            let value =
-                |k: usize| axis.scale.back(low + (high - low) * k as f64 / (each - 1) as f64);
-            all = all
-                .iter()
-                .flat_map(|p: &Vec<f64>| {
-                    (0..each).map(|k| p.iter().copied().chain([value(k)]).collect())
-                })
-                .collect();
-        }
-        all
     }
 
     /// The nearest point of a grid, so that loops on the same rig share runs; one with the effect, not without.
@@ -301,12 +205,6 @@ impl State<'_> {
         let why = format!("not beyond {end:.4}: its drum cannot be simulated at {failed:.4}");
         self.setup.catalogue.left_out.push((path.to_owned(), why));
     }
-}
-
-/// What a model that knows little at a point may turn out to be there: as close, and as sure as the base, whose deviance
-/// is by `sure` above its chi-square.
-fn hope(trial: &Trial, sure: f64) -> f64 {
-    trial.chi2 + trial.penalty + sure
 }
 
 fn paths(effects: &[Effect]) -> Vec<String> {

@@ -3,7 +3,6 @@
 use std::fs::File;
 use std::path::Path;
 
-use close_loop::calib::attribution::Verdict;
 use close_loop::campaign::Laboratory;
 use close_loop::rig_schema::{Case, MeasuredTable};
 use close_loop::{CloseLoop, LoopSettings};
@@ -20,8 +19,9 @@ struct Called {
     chi2: f64,
     dof: usize,
     p: f64,
-    /// What fresh runs made of an alarm.
-    after_fresh_runs: Option<String>,
+    members: Vec<String>,
+    /// Answers that fresh runs refuted on the way.
+    refuted: usize,
 }
 
 /// Drums are taken one at a time; several of these commands may share the work, and what is done is kept.
@@ -51,23 +51,20 @@ pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyh
         settings.attribution.bootstrap = 299;
         settings.attribution.stability_bootstrap = 0;
         let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
-        let finding = looped.find(&mut |_| ())?;
+        let outcome = looped.run(&mut |_| ())?;
+        let finding = &outcome.finding;
         // To look into an alarm.
         std::fs::write(own.join(format!("{k:03}.csv")), &text)?;
-        let detail = serde_json::to_string(&finding)?;
+        let detail = serde_json::to_string(finding)?;
         std::fs::write(own.join(format!("{k:03}.finding")), detail)?;
-        let mut called = Called {
-            verdict: format!("{:?}", finding.verdict),
+        let called = Called {
+            verdict: outcome.verdict.to_owned(),
+            members: outcome.members.clone(),
+            refuted: outcome.refuted,
             chi2: finding.gate.chi2,
             dof: finding.gate.dof,
             p: finding.gate.p_combined,
-            after_fresh_runs: None,
         };
-        if finding.verdict != Verdict::None {
-            let outcome = looped.run(&mut |_| ())?;
-            called.after_fresh_runs =
-                Some(format!("{} {}", outcome.verdict, outcome.members.join(", ")));
-        }
         std::fs::write(done, serde_json::to_string(&called)?)?;
         println!("{k}: {}, chi-square {:.1}, p {:.3}", called.verdict, called.chi2, called.p);
     }
@@ -75,7 +72,7 @@ pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyh
 }
 
 fn summary(own: &Path) -> anyhow::Result<()> {
-    let (mut sets, mut alarms, mut stay, mut below) = (0, 0, 0, 0);
+    let (mut sets, mut alarms, mut below, mut chi2) = (0, 0, 0, 0.0);
     for entry in std::fs::read_dir(own)? {
         let path = entry?.path();
         if path.extension().is_none_or(|e| e != "json") {
@@ -84,14 +81,15 @@ fn summary(own: &Path) -> anyhow::Result<()> {
         let called: Called = serde_json::from_str(&std::fs::read_to_string(path)?)?;
         sets += 1;
         below += usize::from(called.p < 0.1);
-        if let Some(after) = called.after_fresh_runs {
+        chi2 += called.chi2;
+        if called.verdict != "none" {
             alarms += 1;
-            stay += usize::from(!after.starts_with("none"));
-            println!("alarm: {}, then {after}", called.verdict);
+            println!("alarm: {} {}, p {:.3}", called.verdict, called.members.join(", "), called.p);
         }
     }
     println!(
-        "{sets} drums that lack nothing: {alarms} alarms, {stay} of them after fresh runs; p below 0.1 in {below}"
+        "{sets} drums that lack nothing: {alarms} alarms; p below 0.1 in {below}; mean chi-square {:.1}",
+        chi2 / f64::from(sets)
     );
     Ok(())
 }
