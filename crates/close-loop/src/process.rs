@@ -590,4 +590,40 @@ mod tests {
         assert!(swinging.swings[1..].iter().all(|s| *s < 1.6), "{swinging:?}");
         assert!((swinging.frames[0][0][0] / 0.09 - swinging.swings[0]).abs() < 1e-9);
     }
+
+    #[test]
+    fn what_the_volume_of_fillings_does_is_no_scatter_where_it_is_known() {
+        let mut seed = 11;
+        let does = [25.0, 40.0, -8.0, -42.0];
+        let coded: Vec<Vec<f64>> = (0..36).map(|k| vec![-1.0 + 0.055 * f64::from(k)]).collect();
+        let excess: Vec<f64> = coded.iter().map(|_| 0.016 * normal(&mut seed)).collect();
+        let mut one = |z: f64, e: f64| -> [[f64; 4]; 6] {
+            let mut mean = || -> [f64; 4] {
+                std::array::from_fn(|r| 30.0 + 3.0 * z + e * does[r] + 0.2 * normal(&mut seed))
+            };
+            std::array::from_fn(|_| mean())
+        };
+        let runs: Vec<[[f64; 4]; 6]> =
+            coded.iter().zip(&excess).map(|(z, e)| one(z[0], *e)).collect();
+        let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
+        let frame = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 0.04));
+        let alongside = alongside(&[15.0, 25.0, 35.0, 45.0, 55.0, 70.0]).unwrap();
+        let fit = |excess: Vec<f64>| {
+            let runs = (coded.clone(), excess);
+            Process::fit(runs, &[0.0], &rows, vec![frame; 6], &alongside, &[1.0; 36]).unwrap()
+        };
+        let known = fit(excess);
+        // A slope of six speeds of 36 runs: 0.2 / (0.016 * 6 * 2.4) = 0.9, and half as much again for what the surface takes.
+        for of_volume in known.of_volume(&[0.0]) {
+            for r in 0..4 {
+                assert!((of_volume[r] - does[r]).abs() < 6.0, "{of_volume:?}");
+            }
+        }
+        let blind = fit(vec![0.0; 36]);
+        // 0.016 of 42 is 0.67, of 40 0.64; none of it is left.
+        for r in [1, 3] {
+            assert!(blind.scatter.shift[r] > 0.45, "{:?}", blind.scatter);
+            assert!(known.scatter.shift[r] < 0.15, "{:?}", known.scatter);
+        }
+    }
 }
