@@ -33,7 +33,7 @@ mod surrogate;
 pub use bootstrap::Bootstrap;
 pub use duplicates::{DuplicateRow, DuplicateTable, duplicate_rows, duplicate_tables};
 pub use error::CalibError;
-pub use goodness::{Goodness, chi_square_p, upper_quantile};
+pub use goodness::{Goodness, chi_square_p, upper_quantile, variance_ratio_p};
 pub use grid::Marginal;
 pub use joint::{JointMatch, JointMember, Tied, WithheldPrediction};
 pub use matching::{Estimate, Flatness, Match, Residual, root_mean_square};

@@ -1,7 +1,7 @@
 //! Fresh runs of the calibrated model and of the winner, and what remains of the error.
 
 use calib::attribution::{Finding, Verdict};
-use calib::{Nuisance, Observations, chi_square_p};
+use calib::{Nuisance, Observations, variance_ratio_p};
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
 use rig_schema::Response;
@@ -283,7 +283,9 @@ pub(crate) fn fresh(
     let (chi2, solved) = chi_square(fitted)?;
     let degrees = |m: usize| m.saturating_sub(free).max(1);
     let dof = degrees(fitted);
-    let p_all = chi_square_p(chi_square(items.len())?.0, degrees(items.len()));
+    // As in the gate: few runs tell how large errors are.
+    let p_of = |chi2: f64, dof: usize| variance_ratio_p(chi2, dof, base.errors_dof());
+    let p_all = p_of(chi_square(items.len())?.0, degrees(items.len()));
     let estimate: Vec<f64> = nuisances
         .iter()
         .map(|n| {
@@ -307,7 +309,7 @@ pub(crate) fn fresh(
         held_out: compare::errors(&items, &points, fitted..items.len()),
         chi2,
         dof,
-        p: chi_square_p(chi2, dof),
+        p: p_of(chi2, dof),
         p_all,
     };
     let predictions = predictions(&asked, (excess, &of_volume), &state.setup, base, &nuisance);

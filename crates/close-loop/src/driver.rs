@@ -152,6 +152,8 @@ impl CloseLoop<'_> {
         let retries = if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
         let mut round = 0;
         let mut looked_on = false;
+        // The answer that fresh runs had not refuted before.
+        let mut stood: Option<Outcome> = None;
         loop {
             let (outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
             // Fresh runs that refute an answer are the best that its model can learn from; those of a class tell its
@@ -172,9 +174,12 @@ impl CloseLoop<'_> {
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || state.setup.cast.fresh.is_some() {
-                    return Ok(outcome);
+                    let (runs, cost_s) = (outcome.runs, outcome.cost_s);
+                    let kept = stood.filter(|_| refuted);
+                    return Ok(kept.map_or(outcome, |o| Outcome { runs, cost_s, ..o }));
                 }
                 looked_on = true;
+                stood = (outcome.confirmed == Some(true)).then(|| outcome.clone());
                 state.learn(learned);
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;

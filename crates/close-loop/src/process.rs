@@ -47,6 +47,8 @@ const SHIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 const SHIFT: (f64, f64) = (0.3, 1.0);
 /// Least number of runs that tell how they scatter.
 const LEAST_RUNS: f64 = 8.0;
+/// Shift that few runs are drawn towards, deg or percent of R: what fillings of one volume were seen to have.
+const USUAL: f64 = 0.15;
 /// Part of a correlation of shifts that many runs are sure of.
 const SURE: f64 = 0.9;
 /// Number of runs that are sure of half of that.
@@ -222,13 +224,15 @@ impl Process {
             }
             (count > 0.0).then(|| sum / count)
         };
+        let runs = witnesses(weight);
         let shift: [f64; 4] = std::array::from_fn(|r| {
             // The likelihood was asked on a coarse grid.
             let asked = self.scatter.shift[r];
+            let drawn =
+                |p: f64| (runs * p.max(0.0) + HALF_SURE * USUAL * USUAL) / (runs + HALF_SURE);
             let seen = product(r, r);
-            seen.map_or(asked, |p| p.max(0.0).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked))
+            seen.map_or(asked, |p| drawn(p).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked))
         });
-        let runs = witnesses(weight);
         let together = correlation(SURE * runs / (runs + HALF_SURE), shift, product);
         let swings: Vec<f64> = (0..knots)
             .map(|k| {

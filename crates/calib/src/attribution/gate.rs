@@ -22,7 +22,7 @@ use super::model::Model;
 use super::solver::{COARSE, Point, Search, Settled, settle, spread};
 use super::{Attribution, Gate};
 use crate::covariance::square;
-use crate::{CalibError, Observations, chi_square_p};
+use crate::{CalibError, Observations, chi_square_p, variance_ratio_p};
 
 /// Draws after which a bootstrap that shows nothing may stop.
 const EARLY: usize = 99;
@@ -174,11 +174,10 @@ impl Errors {
 
     /// Nominal probability of such a chi-square.
     fn p_chi2(self, chi2: f64) -> f64 {
-        let dof = self.dof as f64;
-        match self.known.and_then(|known| FisherSnedecor::new(dof, known).ok()) {
-            Some(f) => f.sf(chi2 / dof),
-            None => chi_square_p(chi2, self.dof),
-        }
+        self.known.map_or_else(
+            || chi_square_p(chi2, self.dof),
+            |known| variance_ratio_p(chi2, self.dof, known),
+        )
     }
 
     /// Chi-square that is exceeded with probability `p`.
