@@ -113,7 +113,7 @@ impl State<'_> {
             };
             let mut hopeful: Vec<Place<'_>> = all
                 .iter()
-                .filter(|(_, t)| t.p > settings.level && hope(t, sure) <= limit + LUCK)
+                .filter(|(_, t)| t.p > FORLORN && hope(t, sure) <= limit + LUCK)
                 .map(place)
                 .collect();
             hopeful.sort_by(|a, b| doubted(&a.trial).total_cmp(&doubted(&b.trial)));
