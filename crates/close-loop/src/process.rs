@@ -47,7 +47,7 @@ const SHIFTS: [f64; 6] = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 const SHIFT: (f64, f64) = (0.3, 1.0);
 /// Least number of runs that tell how they scatter.
 const LEAST_RUNS: f64 = 8.0;
-/// Shift that few runs are drawn towards, deg or percent of R: what fillings of one volume were seen to have.
+/// Shift that few runs which show less are drawn towards, deg or percent of R: what fillings of one volume were seen to have.
 const USUAL: f64 = 0.15;
 /// Part of a correlation of shifts that many runs are sure of.
 const SURE: f64 = 0.9;
@@ -228,8 +228,10 @@ impl Process {
         let shift: [f64; 4] = std::array::from_fn(|r| {
             // The likelihood was asked on a coarse grid.
             let asked = self.scatter.shift[r];
-            let drawn =
+            // Few runs that happen to lie close do not show that fillings of one volume are alike.
+            let least =
                 |p: f64| (runs * p.max(0.0) + HALF_SURE * USUAL * USUAL) / (runs + HALF_SURE);
+            let drawn = |p: f64| p.max(least(p.min(USUAL * USUAL)));
             let seen = product(r, r);
             seen.map_or(asked, |p| drawn(p).sqrt().clamp(SHIFTS[0].min(asked), 2.0 * asked))
         });
