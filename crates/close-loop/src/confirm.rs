@@ -239,8 +239,8 @@ pub(crate) fn fresh(
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
     let unknown = vec![[0.0; 4]; base.knots().len()];
-    let unsure = Vec::new();
-    let local = Local { at: at.collect(), unknown, shared, unsure, of_volume: of_volume.clone() };
+    let (at, unsure) = (at.collect(), Vec::new());
+    let local = Local { at, unknown, shared, unsure, of_volume };
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let mut distinct: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
@@ -312,7 +312,8 @@ pub(crate) fn fresh(
         p: p_of(chi2, dof),
         p_all,
     };
-    let predictions = predictions(&asked, (excess, &of_volume), &state.setup, base, &nuisance);
+    let volume = (excess, &local.of_volume[..]);
+    let predictions = predictions(&asked, volume, &state.setup, base, &nuisance);
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));

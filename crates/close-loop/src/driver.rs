@@ -143,13 +143,15 @@ impl CloseLoop<'_> {
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
         let (mut state, mut finding) = self.stages(watch)?;
-        if finding.verdict != Verdict::None && state.setup.cast.fresh.is_some() {
+        // Fresh runs are of a rig whose cost a stand-in had to save.
+        let costly = state.setup.cast.fresh.is_some();
+        if finding.verdict != Verdict::None && costly {
             finding = self.ask_the_whole_rig(&mut state, &finding, watch)?;
             if finding.verdict != Verdict::None {
                 finding = self.hear_rivals(&mut state, &finding, watch)?;
             }
         }
-        let retries = if state.setup.cast.fresh.is_some() { FEW_RETRIES } else { RETRIES };
+        let retries = if costly { FEW_RETRIES } else { RETRIES };
         let mut round = 0;
         let mut looked_on = false;
         // The answer that fresh runs had not refuted before.
@@ -164,7 +166,7 @@ impl CloseLoop<'_> {
             let level = self.settings.attribution.level;
             let alarm = !outcome.members.is_empty() && outcome.before.errors.p_all > level;
             let open = several && outcome.members.len() > 1 || alarm;
-            let open = open && state.setup.cast.fresh.is_none();
+            let open = open && !costly;
             let spare = self.spare(&state, 1 + if refuted { 2 } else { CONFIRMED_MEMBERS });
             let learns = learned.iter().any(|l| state.can_learn(l));
             let tired = round == retries || spare == 0;
@@ -173,7 +175,7 @@ impl CloseLoop<'_> {
                 let left = self.spare(&state, 1 + CONFIRMED_MEMBERS);
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
-                if looked_on || left == 0 || settled || state.setup.cast.fresh.is_some() {
+                if looked_on || left == 0 || settled || costly {
                     let (runs, cost_s) = (outcome.runs, outcome.cost_s);
                     let kept = stood.filter(|_| refuted);
                     return Ok(kept.map_or(outcome, |o| Outcome { runs, cost_s, ..o }));
@@ -224,14 +226,7 @@ impl CloseLoop<'_> {
         state.most.saturating_sub(state.runs.everyday + models * state.effort.confirm)
     }
 
-    /// Everything but the fresh runs: for studies of false alarms and of power.
-    ///
-    /// # Errors
-    /// As [`CloseLoop::run`].
-    pub fn find(&self, watch: &mut dyn FnMut(&Told)) -> Result<Finding, CloseLoopError> {
-        Ok(self.stages(watch)?.1)
-    }
-
+    /// Everything but the fresh runs.
     fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
         let setup = Setup::new(self.case, self.measured, self.settings)?;
         let effects = simulated_effects(&setup);

@@ -128,8 +128,18 @@ impl Emulator {
     ) -> Result<Self, CalibError> {
         let (coded, mean, excess) = runs(&axes, &origin, samples)?;
         let process = self.process.of_others((coded, excess), &mean)?;
-        let (modes, anchors) = (Vec::new(), Vec::new());
-        Ok(Self { axes, origin, process, modes, anchors, ..self.clone() })
+        Ok(Self {
+            axes,
+            origin,
+            knots: self.knots.clone(),
+            alongside: self.alongside.clone(),
+            witnesses: self.witnesses,
+            process,
+            variance: self.variance.clone(),
+            modes: Vec::new(),
+            anchors: Vec::new(),
+            volume_sd: self.volume_sd,
+        })
     }
 
     /// Shift the model of a stand-in by what it is off from runs of the whole rig: of those without effects, and with no others than
@@ -223,11 +233,6 @@ impl Emulator {
     /// The same at any speed, from that at the knots.
     pub(crate) fn of_volume_at(&self, of_volume: &[[f64; 4]], omega_rpm: f64) -> [f64; 4] {
         std::array::from_fn(|r| self.linear(omega_rpm, |k| of_volume[k][r]))
-    }
-
-    /// Standard deviation of the volume of the measured filling, as a part of it.
-    pub(crate) fn volume_sd(&self) -> f64 {
-        self.volume_sd
     }
 
     /// Standard deviation of the shift of each response, common to all speeds, from one filling of the drum
@@ -341,11 +346,11 @@ impl Emulator {
             w.iter().zip(mode).map(|(w, m)| w * m[r]).sum()
         };
         let shift = vec![self.process.scatter.shift; self.knots.len()];
-        let unsure = Some(&local.unsure).filter(|u| !u.is_empty());
-        let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain(unsure).collect();
         // How much solid the measured filling holds is known to a part.
         let of_volume = |g: &[f64; 4]| g.map(|g| self.volume_sd * g);
         let volume: Vec<[f64; 4]> = local.of_volume.iter().map(of_volume).collect();
+        let unsure = Some(&local.unsure).filter(|u| !u.is_empty());
+        let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain(unsure).chain([&volume]).collect();
         // What the surface does not know, at each speed in independent parts.
         let parts = |w: &Vec<f64>| -> Vec<[f64; 4]> {
             let mut parts = vec![[0.0; 4]; self.knots.len()];
@@ -381,7 +386,7 @@ impl Emulator {
                             *c += self.process.scatter.together[r][s] * both;
                         }
                     }
-                    for mode in modes.iter().copied().chain([&volume]) {
+                    for mode in &modes {
                         for (s, c) in row.iter_mut().enumerate() {
                             *c += value(&spline[a], mode, r) * value(&spline[b], mode, s);
                         }

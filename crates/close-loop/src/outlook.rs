@@ -48,8 +48,9 @@ impl State<'_> {
     /// end of a valley. Those that fit with what their models do not know come first, the most probable first: the
     /// deviance counts what is unknown at a place.
     ///
-    /// Beside them, for each effect, where it has to be if it is what is missing: the point of least chi-square, ignorance
-    /// included, that nobody has run anything near; those of the effects with fewest runs first.
+    /// Beside them, for each effect, where it has to be if it is what is missing: of the points that nobody has run anything
+    /// near the one of least chi-square, ignorance included ([`doubted`]). First come those that promise most for the
+    /// runs that their effects have had.
     pub(crate) fn outlook<'m>(
         &self,
         base: &Emulator,
@@ -79,6 +80,7 @@ impl State<'_> {
                 }
             }
         }
+        let sure = without.deviance - without.chi2;
         let frictions = self.frictions();
         let mut places = Vec::new();
         let mut far = Vec::new();
@@ -94,32 +96,26 @@ impl State<'_> {
                 }
             }
             let trials = question.trials(k, &thetas)?;
-            let sure = without.deviance - without.chi2;
             let better = |a: &&(Vec<f64>, Trial), b: &&(Vec<f64>, Trial)| {
                 a.1.deviance.total_cmp(&b.1.deviance)
             };
             let all: Vec<(Vec<f64>, Trial)> = thetas.into_iter().zip(trials).collect();
             let along = all[first..].chunks(STRENGTHS + 1).filter_map(|c| c.iter().min_by(better));
-            for (theta, trial) in all[..first].iter().chain(along) {
-                if hope(trial, sure).min(trial.deviance) <= limit {
-                    places.push(Place { effect, model, at: coded.decoded(theta), trial: *trial });
-                }
-            }
             let place = |(theta, trial): &(Vec<f64>, Trial)| Place {
                 effect,
                 model,
                 at: coded.decoded(theta),
                 trial: *trial,
             };
-            let mut hopeful: Vec<Place<'_>> = all
-                .iter()
-                .filter(|(_, t)| t.p > FORLORN && hope(t, sure) <= limit + LUCK)
-                .map(place)
-                .collect();
-            hopeful.sort_by(|a, b| doubted(&a.trial).total_cmp(&doubted(&b.trial)));
+            let worth = |(_, t): &&(Vec<f64>, Trial)| hope(t, sure).min(t.deviance) <= limit;
+            places.extend(all[..first].iter().chain(along).filter(worth).map(place));
+            let promises =
+                |(_, t): &&(Vec<f64>, Trial)| t.p > FORLORN && hope(t, sure) <= limit + LUCK;
+            let mut hopeful: Vec<&(Vec<f64>, Trial)> = all.iter().filter(promises).collect();
+            hopeful.sort_by(|a, b| doubted(&a.1).total_cmp(&doubted(&b.1)));
             let unseen =
                 |p: &Place<'_>| !self.settled(std::slice::from_ref(*effect), model, &p.at, 1);
-            far.extend(hopeful.into_iter().find(unseen));
+            far.extend(hopeful.into_iter().map(place).find(unseen));
         }
         places.sort_by(|a, b| {
             let forlorn = |p: &Place<'_>| p.trial.p <= FORLORN;
@@ -159,11 +155,15 @@ impl State<'_> {
 /// What a model that knows little at a point may turn out to be there: as close, and as sure as the base, whose deviance
 /// is by `sure` above its chi-square.
 fn hope(trial: &Trial, sure: f64) -> f64 {
-    trial.chi2 + trial.penalty + sure
+    misfit(trial) + sure
+}
+
+fn misfit(trial: &Trial) -> f64 {
+    trial.chi2 + trial.penalty
 }
 
 /// Deviance with little of what ignorance costs.
 fn doubted(trial: &Trial) -> f64 {
-    let sure = trial.chi2 + trial.penalty;
-    sure + DOUBTED * (trial.deviance - sure)
+    let misfit = misfit(trial);
+    misfit + DOUBTED * (trial.deviance - misfit)
 }

@@ -21,8 +21,8 @@ pub(crate) fn predicted_rows(runs: &mut [Made], setup: &Setup) -> Vec<Vec<SpeedR
         .collect()
 }
 
-/// Means over fresh runs, whose volumes are in excess on average and do so much for twice of it, at the speeds to predict, with the standard deviation of a drum filled anew; `nuisance` is what nuisances
-/// add to a response.
+/// Means over fresh runs at the speeds to predict, with the standard deviation of a drum filled anew. The runs' mean excess of
+/// volume, with what twice the volume does at the knots, is taken out of them; `nuisance` is what nuisances add to a response.
 pub(crate) fn predictions(
     runs: &[Vec<SpeedRow>],
     (excess, of_volume): (f64, &[[f64; 4]]),
@@ -41,7 +41,7 @@ pub(crate) fn predictions(
             let frames = rows.iter().map(|s| s.covariance[r][r]).sum::<f64>() / (n * n)
                 * base.swings(*omega);
             let more = base.of_volume_at(of_volume, *omega)[r];
-            let filling = shift[r].powi(2) * (1.0 + 1.0 / n) + (base.volume_sd() * more).powi(2);
+            let filling = shift[r].powi(2) * (1.0 + 1.0 / n) + (setup.volume_sd * more).powi(2);
             let variance = frames + filling;
             mean -= excess * more;
             mean += nuisance(response, mean);

@@ -7,8 +7,9 @@
 //! of the remainder and the scatter of fillings are chosen for each response by the marginal likelihood.
 //!
 //! A run differs from the next by more than its frames scatter: another filling of the drum has a little
-//! more or less volume at all its speeds (560 beads of 12 % spread move the centre of area by 0.6 % of R).
-//! So a run's noise is that of its frames and a shift of each response which its speeds share. Where a bed swings
+//! more or less volume at all its speeds (560 beads of 12 % spread move the centre of area by 0.6 % of R), which is
+//! known and taken out ([`Volume`]), and lies otherwise. So a run's noise is that of its frames and a shift of each
+//! response which its speeds share. Where a bed swings
 //! more slowly than a run looks at it, its frames show too little: by which factor, speed by speed, is told by
 //! how runs left out miss the surface through all others ([`Scatter`]).
 
@@ -115,9 +116,10 @@ struct Output {
 }
 
 impl Process {
-    /// Regression on runs at coded coordinates, with the excess of their volumes, whose outputs are `mean` (by run and knot), with the covariance of
-    /// their frames by knot; `alongside` is the factor of the correlation of knots ([`crate::ignorance`]). How runs scatter is
-    /// told by all of them, each with its weight.
+    /// Regression on runs at coded coordinates, each with the excess of its volume, whose outputs are `mean` (by run and
+    /// knot), with the covariance of their frames by knot; `alongside` is the factor of the correlation of knots
+    /// ([`crate::ignorance`]). What more volume does is told about `point`; how runs scatter, by all of them, each with its
+    /// weight.
     pub(crate) fn fit(
         (coded, excess): (Vec<Vec<f64>>, Vec<f64>),
         point: &[f64],
@@ -131,15 +133,24 @@ impl Process {
             let open = Self::with(coded.clone(), mean, frames.clone(), None, Some(&excess))?;
             volume = open.volume_of_runs(&excess, point);
         }
-        let mean = level(&volume, &coded, &excess, mean);
+        let mean = volume.level(&coded, &excess, mean);
         let rows: Vec<&[[f64; 4]]> = mean.iter().map(|m| &m[..]).collect();
         let first = Self::with(coded, &rows, frames, None, None)?;
         if witnesses(weight) < LEAST_RUNS {
             return Ok(Self { volume, ..first });
         }
         let scatter = first.scatter_of_runs(alongside, weight);
-        let process =
-            Self::with(first.coded, &rows, scatter.frames.clone(), Some(scatter.shift), None)?;
+        Self::with_scatter(first.coded, &rows, scatter, volume)
+    }
+
+    /// Regression on outputs of the volume expected, where it is known how runs scatter and what more volume does.
+    fn with_scatter(
+        coded: Vec<Vec<f64>>,
+        level: &[&[[f64; 4]]],
+        scatter: Scatter,
+        volume: Volume,
+    ) -> Result<Self, CalibError> {
+        let process = Self::with(coded, level, scatter.frames.clone(), Some(scatter.shift), None)?;
         Ok(Self { scatter, volume, ..process })
     }
 
@@ -149,11 +160,9 @@ impl Process {
         (coded, excess): (Vec<Vec<f64>>, Vec<f64>),
         mean: &[&[[f64; 4]]],
     ) -> Result<Self, CalibError> {
-        let (scatter, volume) = (self.scatter.clone(), self.volume.clone());
-        let mean = level(&volume, &coded, &excess, mean);
+        let mean = self.volume.level(&coded, &excess, mean);
         let rows: Vec<&[[f64; 4]]> = mean.iter().map(|m| &m[..]).collect();
-        let process = Self::with(coded, &rows, scatter.frames.clone(), Some(scatter.shift), None)?;
-        Ok(Self { scatter, volume, ..process })
+        Self::with_scatter(coded, &rows, self.scatter.clone(), self.volume.clone())
     }
 
     /// What more volume does about a point, by runs whose volumes were left in their outputs.
@@ -456,20 +465,6 @@ fn correlation(
         }
     }
     ALONE
-}
-
-/// Outputs as those of the volume expected.
-fn level(
-    volume: &Volume,
-    coded: &[Vec<f64>],
-    excess: &[f64],
-    mean: &[&[[f64; 4]]],
-) -> Vec<Vec<[f64; 4]>> {
-    let own = |((z, e), rows): ((&Vec<f64>, &f64), &&[[f64; 4]])| {
-        let less = |(row, g): (&[f64; 4], [f64; 4])| std::array::from_fn(|r| row[r] - e * g[r]);
-        rows.iter().zip(volume.at(z)).map(less).collect()
-    };
-    coded.iter().zip(excess).zip(mean).map(own).collect()
 }
 
 /// Prior covariance of what more volume does at two points.

@@ -150,7 +150,8 @@ impl State<'_> {
                 !self.settled(std::slice::from_ref(p.effect), p.model, &p.at, enough)
             };
             let mut near = places.iter().filter(open);
-            let mut away = far.iter().take(if k == 0 { far.len() } else { 0 });
+            // Nobody has run anything near these: they have their turn as long as that is asked for.
+            let mut away = far.iter().filter(|_| k == 0);
             while points.len() < count {
                 let both = [near.next(), away.next()];
                 if both.iter().all(Option::is_none) {

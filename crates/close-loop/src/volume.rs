@@ -9,7 +9,7 @@
 const FAR: f64 = 2.0;
 
 /// Change of the responses for twice the volume, about a point of the free parameters.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Volume {
     /// The point, coded.
     at: Vec<f64>,
@@ -50,6 +50,20 @@ impl Volume {
             }
         }
         Self { at, slope, gradient }
+    }
+
+    /// Outputs of runs at `coded`, by run and knot, as they would be with the volume expected.
+    pub(crate) fn level(
+        &self,
+        coded: &[Vec<f64>],
+        excess: &[f64],
+        mean: &[&[[f64; 4]]],
+    ) -> Vec<Vec<[f64; 4]>> {
+        let own = |((z, e), rows): ((&Vec<f64>, &f64), &&[[f64; 4]])| {
+            let less = |(row, g): (&[f64; 4], [f64; 4])| std::array::from_fn(|r| row[r] - e * g[r]);
+            rows.iter().zip(self.at(z)).map(less).collect()
+        };
+        coded.iter().zip(excess).zip(mean).map(own).collect()
     }
 
     /// At a point, by knot; coordinates beyond the free parameters do not matter.

@@ -290,7 +290,7 @@ impl Screen {
             errors,
             improvement_draws,
             gate,
-            critical_chi2: joint.chi2_at(critical),
+            critical_chi2: errors.chi2_at(critical),
             critical_improvement: joint.improvement_at(critical),
         })
     }
@@ -355,10 +355,6 @@ impl Joint {
         let q = chi_square_p(best / self.stretch, 1);
         let focused = if q < 1.0 { -(self.effects * (-q).ln_1p()).exp_m1() } else { 1.0 };
         self.errors.p_chi2(chi2).min(focused)
-    }
-
-    fn chi2_at(&self, p: f64) -> f64 {
-        self.errors.chi2_at(p)
     }
 
     fn improvement_at(&self, p: f64) -> f64 {

@@ -87,14 +87,14 @@ pub(super) fn predict(
     // Nuisances are those of the fit; what else other speeds tell is not the model's.
     let nuisances = train.nuisance_posterior(&weight, &solved.white);
     let variance = joint.variances();
-    let alone = |i: usize| {
+    let by_itself = |i: usize| {
         let each = || nuisances.iter().zip(&all.nuisance);
         let moved: f64 = each().map(|((estimate, _), g)| estimate * g[i]).sum();
         (residual[i] - moved, variance[i] - each().map(|(_, g)| g[i] * g[i]).sum::<f64>())
     };
     let given = joint.given(known);
     let points = given.into_iter().zip(&all.items[known..]).enumerate().map(|(k, (row, item))| {
-        let (residual, alone) = alone(known + k);
+        let (residual, alone) = by_itself(known + k);
         Predicted {
             omega_rpm: item.omega_rpm,
             response: item.response,
