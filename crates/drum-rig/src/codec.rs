@@ -94,7 +94,7 @@ impl<T: Stored> Stored for Vec<T> {
     }
 }
 
-const MAGIC: [u8; 8] = *b"drumrig\x02";
+const MAGIC: [u8; 8] = *b"drumrig\x03";
 const HASH: usize = 32;
 
 /// Pack a script and a world's snapshot.

@@ -147,7 +147,8 @@ impl Experiment {
                 Stage::new(speed, assembly.speed_scale, scales, rig.run.frames, options)
             })
             .collect();
-        let identity = format!("{rig:?} {}", options.identity());
+        // Another camera at the same motion is the same experiment.
+        let identity = format!("{:?} {}", rig.motion(), options.identity());
         Ok(Self {
             grains: Arc::new(assembly.grains.clone()),
             assembly,
@@ -158,7 +159,7 @@ impl Experiment {
     }
 
     /// Take up an experiment from the bytes of [`Experiment::checkpoint`]; it goes on bit by bit as
-    /// if it had not been stopped, with any number of threads.
+    /// if it had not been stopped, with any number of threads. Names, camera and reader of the rig may be others.
     ///
     /// # Errors
     /// Those of [`Experiment::new`]; [`Error::Checkpoint`] for bytes that are cut short, altered or

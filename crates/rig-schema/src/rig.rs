@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::document::{Document, nearest};
-use crate::{SchemaError, Settings, namespace};
+use crate::{Layer, SchemaError, Settings, namespace};
 
 /// A drum.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -245,6 +245,33 @@ impl Rig {
         let rig = Self::take(&mut doc)?;
         doc.finish(&known_keys(&[]))?;
         Ok(rig)
+    }
+
+    /// The rig without its names and without the values of camera and reader: what its motion depends on, beside
+    /// how it is sampled.
+    ///
+    /// ```
+    /// # let text = r#"
+    /// # name = "beads"
+    /// # drum = { radius_m = 0.05, length_m = 0.02, mantle = "glass", end_plates = "glass" }
+    /// # particles = { material = "glass", shape = { sphere = { diameter_m = 0.004 } } }
+    /// # fill.count = 900
+    /// # camera.distance_m = 0.8
+    /// # run = { speeds_rpm = [30.0], frames = 30 }
+    /// # [materials]
+    /// # glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e6 }
+    /// # "#;
+    /// let rig = rig_schema::Rig::parse("beads.toml", text)?;
+    /// let mut nearer = rig.clone();
+    /// nearer.settings.set("camera.distance_m", 0.5).unwrap();
+    /// assert_ne!(nearer, rig);
+    /// assert_eq!(nearer.motion(), rig.motion());
+    /// # Ok::<(), rig_schema::SchemaError>(())
+    /// ```
+    #[must_use]
+    pub fn motion(&self) -> Self {
+        let settings = self.settings.of_layers(|layer| layer == Layer::Physics);
+        Self { name: String::new(), title: String::new(), settings, ..self.clone() }
     }
 
     /// Take the rig's keys from a document.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::document::{Document, entries, nearest, number};
-use crate::{Parameter, SchemaError, namespace};
+use crate::{Layer, Parameter, SchemaError, namespace};
 
 /// What a rig file says of the parameters of the namespace.
 ///
@@ -37,6 +37,14 @@ impl Settings {
     /// Given values, sorted by path.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> {
         self.given.iter().map(|(path, value)| (*path, *value))
+    }
+
+    /// The given values of some layers.
+    #[must_use]
+    pub fn of_layers(&self, keep: impl Fn(Layer) -> bool) -> Self {
+        let kept = |path: &str| namespace::find(path).is_some_and(|p| keep(p.layer));
+        let given = self.given.iter().filter(|(path, _)| kept(path));
+        Self { given: given.map(|(path, value)| (*path, *value)).collect() }
     }
 
     /// Take every group of the namespace from a document.

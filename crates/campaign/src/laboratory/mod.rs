@@ -6,7 +6,7 @@
 //! were just made or read back.
 
 mod footage;
-mod key;
+pub(crate) mod key;
 mod run;
 mod store;
 

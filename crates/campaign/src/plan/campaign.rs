@@ -107,11 +107,7 @@ impl Campaign {
     }
 
     pub(crate) fn remove_checkpoint(&self, row: &Row) -> Result<(), CampaignError> {
-        let path = self.checkpoint_path(row);
-        match std::fs::remove_file(&path) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(io("removing", &path)(e)),
-            _ => Ok(()),
-        }
+        remove(&self.checkpoint_path(row))
     }
 
     pub(crate) fn rows_folder(&self) -> PathBuf {
@@ -126,6 +122,22 @@ impl Campaign {
         self.rows_folder().join(format!("{:04}.checkpoint", row.index))
     }
 
+    /// Where the motion of runs that differ in camera or reader alone is kept, by the first of them.
+    pub(crate) fn motion_path(&self, first: &Row) -> PathBuf {
+        self.rows_folder().join(format!("{:04}.motion", first.index))
+    }
+
+    /// Forget a motion that no run needs any more.
+    pub(crate) fn forget_motion(&self, runs: &[&Row]) -> Result<(), CampaignError> {
+        let (Some(first), true) = (runs.first(), runs.len() > 1) else { return Ok(()) };
+        for row in runs {
+            if self.is_due(row, false)? {
+                return Ok(());
+            }
+        }
+        remove(&self.motion_path(first))
+    }
+
     /// The lock of the whole campaign: alone for all runs, shared for single ones.
     pub(crate) fn lock(&self, share: Share) -> Result<Lock, CampaignError> {
         let what = format!("the campaign in {}", self.folder.display());
@@ -137,6 +149,14 @@ impl Campaign {
         let what = format!("run {} of the campaign in {}", row.index, self.folder.display());
         let path = self.folder.join("locks").join(format!("{:04}.lock", row.index));
         Lock::take(&path, Share::Alone, &what)
+    }
+}
+
+/// Remove a file that need not be there.
+fn remove(path: &Path) -> Result<(), CampaignError> {
+    match std::fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(io("removing", path)(e)),
+        _ => Ok(()),
     }
 }
 

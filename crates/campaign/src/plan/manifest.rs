@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use drum_rig::{Coarsening, Outline, coarse, outline};
-use rig_schema::{Plan, Rig, namespace};
+use rig_schema::{Layer, Plan, Rig, namespace};
 use serde::{Deserialize, Serialize};
 
 use super::design::{SPEED, points};
 use super::file;
+use crate::laboratory::key;
 use crate::{CampaignError, Observatory, Resolution};
 
 /// Version of the format of a manifest.
@@ -55,7 +56,8 @@ pub struct Row {
     pub values: Vec<f64>,
     /// Speeds, rpm, ascending.
     pub speeds_rpm: Vec<f64>,
-    /// Seed: that of the rig plus the number of the run, so that replicates are independent.
+    /// Seed: that of the rig plus the number of the motion, so that replicates are independent; runs that differ in
+    /// camera or reader alone are of one motion.
     pub seed: u64,
     /// Every parameter that the plan or its factors give, by path.
     pub parameters: BTreeMap<String, f64>,
@@ -138,10 +140,11 @@ impl Manifest {
             rows: Vec::new(),
         };
         let mut manifest = Self { content, checksum: String::new(), plan };
-        for (index, values) in points.into_iter().enumerate() {
+        let numbers = motions(&manifest.content.factors, &points);
+        for (index, (values, number)) in points.into_iter().zip(numbers).enumerate() {
             let mut row = Row {
                 index: index as u64,
-                seed: manifest.plan.rig.run.seed.wrapping_add(index as u64),
+                seed: manifest.plan.rig.run.seed.wrapping_add(number),
                 values,
                 speeds_rpm: Vec::new(),
                 parameters: BTreeMap::new(),
@@ -312,6 +315,27 @@ impl Manifest {
         })
     }
 
+    /// Runs of one motion, in their order: they differ in camera or reader alone, so one simulation serves them.
+    ///
+    /// # Errors
+    /// As [`Manifest::rig`], and those of a camera that cannot be set up.
+    pub(crate) fn of_one_motion(&self, row: &Row) -> Result<Vec<&Row>, CampaignError> {
+        let own = self.motion(row)?;
+        let mut same = Vec::new();
+        for other in self.rows().iter().filter(|r| r.seed == row.seed) {
+            if self.motion(other)? == own {
+                same.push(other);
+            }
+        }
+        Ok(same)
+    }
+
+    fn motion(&self, row: &Row) -> Result<blake3::Hash, CampaignError> {
+        let rig = self.rig(row)?;
+        let options = Observatory::new(&rig, self.resolution())?.options(1);
+        Ok(key::motion(&rig, &options))
+    }
+
     /// Size of a run's simulation, and whether it can be simulated and filmed at all.
     ///
     /// # Errors
@@ -333,4 +357,23 @@ impl Manifest {
         let values = self.describe(row);
         CampaignError::Row { index: row.index, values, source: Box::new(source) }
     }
+}
+
+/// Number of each point's motion: points that differ in camera or reader alone have one, those that are equal in
+/// everything are replicates.
+fn motions(factors: &[String], points: &[Vec<f64>]) -> Vec<u64> {
+    let moves: Vec<bool> = factors
+        .iter()
+        .map(|path| namespace::find(path).is_none_or(|p| p.layer == Layer::Physics))
+        .collect();
+    let mut seen: BTreeMap<Vec<u64>, u64> = BTreeMap::new();
+    let mut numbers: BTreeMap<(Vec<u64>, u64), u64> = BTreeMap::new();
+    let number = |values: &Vec<f64>| {
+        let bits: Vec<u64> = values.iter().map(|v| v.to_bits()).collect();
+        let physics = bits.iter().zip(&moves).filter(|(_, m)| **m).map(|(b, _)| *b).collect();
+        let replicate = seen.entry(bits).and_modify(|n| *n += 1).or_insert(0);
+        let next = numbers.len() as u64;
+        *numbers.entry((physics, *replicate)).or_insert(next)
+    };
+    points.iter().map(number).collect()
 }

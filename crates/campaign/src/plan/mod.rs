@@ -10,8 +10,11 @@
 //! | `manifest.json` | the frozen plan, with a checksum |
 //! | `rows/NNNN.json` | result of a run, or why it failed |
 //! | `rows/NNNN.checkpoint` | state of a run under way |
+//! | `rows/NNNN.motion` | motion of that run, as long as others that differ in camera or reader alone need it |
 //! | `locks/` | locks of the operating system, freed when a process dies |
 //! | `responses.csv` | table of simulated responses |
+//!
+//! Runs that differ in camera or reader alone have one seed and one motion, which is simulated once.
 //!
 //! Every file is written to another name and renamed. A run that was killed goes on from its last
 //! checkpoint and gives the same bits as one that was not; neither the number of workers nor the

@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use drum_rig::{Experiment, Flow, Options, Outcome, Progress};
 
+use rig_schema::Rig;
+
 use super::checkpoint;
 use super::manifest::{Manifest, Row};
 use super::result::{Effort, Simulated, speed_result};
@@ -15,6 +17,8 @@ pub(crate) struct RowRun<'a> {
     pub(crate) manifest: &'a Manifest,
     pub(crate) row: &'a Row,
     pub(crate) checkpoint: PathBuf,
+    /// Where the motion is kept once it is simulated, for runs that differ in camera or reader alone.
+    pub(crate) motion: Option<PathBuf>,
     pub(crate) every: Duration,
 }
 
@@ -40,7 +44,7 @@ impl RowRun<'_> {
         let options: Options = observatory.options(1);
         let (before, mut drum) = match checkpoint::read(&self.checkpoint)? {
             Some((effort, state)) => (effort, Experiment::resume(&rig, &options, &state)?),
-            None => (Effort::default(), Experiment::new(&rig, &options)?),
+            None => (Effort::default(), self.begin(&rig, &options)?),
         };
         let begun = Instant::now();
         let effort = || Effort {
@@ -62,9 +66,13 @@ impl RowRun<'_> {
         if let Some(error) = failed {
             return Err(error);
         }
-        checkpoint::write(&self.checkpoint, effort(), &drum.checkpoint())?;
+        let state = drum.checkpoint();
+        checkpoint::write(&self.checkpoint, effort(), &state)?;
         if outcome == Outcome::Stopped {
             return Ok(Left::Stopped);
+        }
+        if let Some(motion) = self.motion.as_ref().filter(|m| !m.exists()) {
+            checkpoint::write(motion, effort(), &state)?;
         }
         let (particles, time_step_s) = (drum.grains().len(), drum.time_step());
         let steps = drum.progress().steps;
@@ -74,5 +82,17 @@ impl RowRun<'_> {
             speeds.push(speed_result(steady, &seen, &edem));
         }
         Ok(Left::Done(Simulated { particles, time_step_s, steps, speeds }, effort()))
+    }
+    /// The motion that another run has made, or the drum at its beginning.
+    fn begin(&self, rig: &Rig, options: &Options) -> Result<Experiment, CampaignError> {
+        if let Some(motion) = &self.motion {
+            // What cannot be read or belongs to another version is made anew: it is only a copy of what can be computed.
+            let kept = checkpoint::read(motion).ok().flatten();
+            let made = kept.and_then(|(_, state)| Experiment::resume(rig, options, &state).ok());
+            if let Some(drum) = made {
+                return Ok(drum);
+            }
+        }
+        Ok(Experiment::new(rig, options)?)
     }
 }

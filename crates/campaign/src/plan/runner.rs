@@ -93,6 +93,14 @@ pub struct Summary {
     pub carried_out: usize,
 }
 
+/// Runs of one motion.
+struct Group<'r> {
+    /// Those to be carried out.
+    due: Vec<&'r Row>,
+    /// All that the plan has.
+    all: Vec<&'r Row>,
+}
+
 impl Campaign {
     /// Carry out every run that has no result yet.
     ///
@@ -152,16 +160,22 @@ impl Campaign {
     ) -> Result<(), CampaignError> {
         let next = AtomicUsize::new(0);
         let (tell, listen) = channel();
+        let groups = self.by_motion(due)?;
         std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..how.jobs.min(due.len()))
+            let workers: Vec<_> = (0..how.jobs.min(groups.len()))
                 .map(|_| {
                     let tell = tell.clone();
-                    let next = &next;
+                    let (next, groups) = (&next, &groups);
                     scope.spawn(move || -> Result<(), CampaignError> {
                         while !stop.load(Ordering::Relaxed) {
                             let at = next.fetch_add(1, Ordering::Relaxed);
-                            let Some(row) = due.get(at) else { break };
-                            self.one(row, how, stop, &tell)?;
+                            let Some(group) = groups.get(at) else { break };
+                            for row in &group.due {
+                                if stop.load(Ordering::Relaxed) {
+                                    break;
+                                }
+                                self.one(row, &group.all, how, stop, &tell)?;
+                            }
                         }
                         Ok(())
                     })
@@ -180,10 +194,27 @@ impl Campaign {
         })
     }
 
-    /// One run with its attempts, to a result or a checkpoint.
+    /// The runs that are due, those of one motion together: the first simulates it for all.
+    fn by_motion<'r>(&'r self, due: &[&'r Row]) -> Result<Vec<Group<'r>>, CampaignError> {
+        let mut groups: Vec<Group<'r>> = Vec::new();
+        for &row in due {
+            let place = groups.iter().position(|g| g.all.iter().any(|r| r.index == row.index));
+            match place {
+                Some(k) => groups[k].due.push(row),
+                None => {
+                    let all = self.manifest().of_one_motion(row)?;
+                    groups.push(Group { due: vec![row], all });
+                }
+            }
+        }
+        Ok(groups)
+    }
+
+    /// One run with its attempts, to a result or a checkpoint; `all` are those of its motion.
     fn one(
         &self,
         row: &Row,
+        all: &[&Row],
         how: &RunOptions,
         stop: &AtomicBool,
         tell: &Sender<Event>,
@@ -198,8 +229,9 @@ impl Campaign {
         // The caller may have stopped listening: then nobody needs to hear.
         let say = |event| drop(tell.send(event));
         say(Event::Started { index, resumed: checkpoint.exists() });
-        let run =
-            RowRun { manifest: self.manifest(), row, checkpoint, every: how.checkpoint_every };
+        let motion = (all.len() > 1).then(|| self.motion_path(all[0]));
+        let manifest = self.manifest();
+        let run = RowRun { manifest, row, checkpoint, motion, every: how.checkpoint_every };
         let mut wait = FIRST_WAIT;
         let mut attempts = 0;
         let (outcome, effort) = loop {
@@ -253,6 +285,7 @@ impl Campaign {
         if failure.as_ref().is_none_or(|f| !f.class.passes()) {
             self.remove_checkpoint(row)?;
         }
+        self.forget_motion(all)?;
         say(Event::Ended { index, failure, effort });
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Campaigns as a caller meets them: interrupted, altered, repeated.
 
+mod cameras;
 mod export;
 mod faults;
 mod killed;
