@@ -53,6 +53,9 @@ enum Task {
         /// With --dem: Table 8's settings by the laws that EDEM documents as well.
         #[arg(long, requires = "dem")]
         edem_laws: bool,
+        /// With --dem: instead, how many beads EDEM's pictures show: docs/src/own-dem-beads.md.
+        #[arg(long, requires = "dem", conflicts_with_all = ["between", "edem_laws"])]
+        beads: bool,
         /// With --dem and --variants: simulations at a time; with --dem, 0 compares what is kept.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
@@ -102,6 +105,9 @@ fn main() -> ExitCode {
         Task::Ci => ci::run(),
         Task::Tidy => tidy::run(),
         Task::Reproduce { own: true, .. } => reproduce::own::run(),
+        Task::Reproduce { beads: true, configurations, jobs, .. } => {
+            reproduce::beads::run(&configurations, jobs)
+        }
         Task::Reproduce { dem: true, configurations, between, edem_laws, jobs, .. } => {
             let more = reproduce::dem::More { between, edem_laws };
             reproduce::dem::run(&configurations, more, jobs)

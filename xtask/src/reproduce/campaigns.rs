@@ -21,6 +21,9 @@ pub(super) const EDEM_LAWS: [(&str, &str); 2] = [
     ("rolling = \"constant_torque\"", "rolling = \"absolute_spin\""),
 ];
 
+/// Factor on the number of beads of the fuller drums.
+pub(super) const MORE: f64 = 1.15;
+
 /// Which settings of a configuration are simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Design {
@@ -31,6 +34,10 @@ pub(crate) enum Design {
     /// Those of Table 8 by the laws that EDEM documents: the tangential spring as a whole with new
     /// stiffness, rolling torque against each bead's own spin.
     EdemLaws,
+    /// The same with [`MORE`] times as many beads.
+    Fuller,
+    /// Those of Table 8 by our laws with [`MORE`] times as many beads.
+    OursFuller,
 }
 
 impl Design {
@@ -40,7 +47,7 @@ impl Design {
     /// Lines of the plan of Table 8 and what stands in their place.
     const fn changes(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Self::Table8 => &[],
+            Self::Table8 | Self::OursFuller => &[],
             Self::Between => &[
                 ("factors.friction.pp = [0.1, 0.5, 0.9]", "factors.friction.pp = [0.25, 0.7]"),
                 (
@@ -48,7 +55,7 @@ impl Design {
                     "factors.friction.mantle = [0.1, 0.5]",
                 ),
             ],
-            Self::EdemLaws => &EDEM_LAWS,
+            Self::EdemLaws | Self::Fuller => &EDEM_LAWS,
         }
     }
 
@@ -57,6 +64,8 @@ impl Design {
             Self::Table8 => "",
             Self::Between => "-between",
             Self::EdemLaws => "-edem-laws",
+            Self::Fuller => "-edem-laws-fuller",
+            Self::OursFuller => "-fuller",
         };
         crate::root().join(format!("target/reproduce/{}{suffix}", config.to_lowercase()))
     }
@@ -68,6 +77,9 @@ impl Design {
         for (old, new) in self.changes() {
             anyhow::ensure!(text.contains(old), "{file} has no line `{old}`");
             text = text.replace(old, new);
+        }
+        if matches!(self, Self::Fuller | Self::OursFuller) {
+            text = text.replace("\n[fill]\n", &format!("\n[fill]\nscale = {MORE}\n"));
         }
         let manifest = Manifest::freeze(&file, &text, &Freeze::default())?;
         Ok(Campaign::begin(&self.folder(config), manifest)?)
@@ -157,15 +169,26 @@ fn rows(campaign: &Campaign) -> anyhow::Result<Vec<OwnRow>> {
     Ok(out)
 }
 
-/// Path of a configuration's table below `fixtures/`.
-pub(crate) fn table(config: &str) -> String {
-    format!("own/{config}.csv")
+/// Path of a configuration's table below `fixtures/`, with the printed number of beads or [`MORE`] times as many.
+pub(super) fn table(config: &str, fuller: bool) -> String {
+    format!("own/{config}{}.csv", if fuller { "_fuller" } else { "" })
 }
 
 /// Write what both designs have shown so far as a table of responses.
 pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
+    let how = format!("cargo xtask reproduce --dem {config} --between");
+    write(&table(config, false), config, &how, &Design::OF_TABLE)
+}
+
+/// The same for [`MORE`] times as many beads.
+pub(super) fn keep_fuller(config: &str) -> anyhow::Result<()> {
+    let how = format!("cargo xtask reproduce --dem {config} --beads");
+    write(&table(config, true), config, &how, &[Design::OursFuller])
+}
+
+fn write(path: &str, config: &str, how: &str, designs: &[Design]) -> anyhow::Result<()> {
     let mut text = format!(
-        "# source: Tumble's own simulation of configuration {config}: `cargo xtask reproduce --dem {config} --between`;\n\
+        "# source: Tumble's own simulation of configuration {config}: `{how}`;\n\
          # angles as photographs are read, mean and standard deviation over the frames of one run\n\
          run,omega_rpm,mu_wall,mu_pp"
     );
@@ -174,7 +197,7 @@ pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
     }
     text.push('\n');
     let mut run = 0;
-    for design in Design::OF_TABLE {
+    for design in designs {
         if !design.folder(config).join("manifest.json").exists() {
             continue;
         }
@@ -187,5 +210,5 @@ pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
             text.push('\n');
         }
     }
-    crate::write_whole(&crate::root().join("fixtures").join(table(config)), &text)
+    crate::write_whole(&crate::root().join("fixtures").join(path), &text)
 }

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use anyhow::Context;
 use rig_schema::{ErrataLevel, Response, SimulatedTable};
@@ -14,18 +15,18 @@ use super::campaigns::{Design, OwnRow, Reading, keep, simulate};
 use super::tables;
 
 /// Largest root mean square error aimed at, deg, deg, % R, % R.
-const TARGET: [f64; 4] = [1.0, 1.5, 1.0, 1.0];
+pub(super) const TARGET: [f64; 4] = [1.0, 1.5, 1.0, 1.0];
 
 /// One setting, simulated here and by EDEM.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Setting {
-    omega_rpm: f64,
-    mu_wall: f64,
-    mu_pp: f64,
-    ours: [f64; 4],
+pub(super) struct Setting {
+    pub(super) omega_rpm: f64,
+    pub(super) mu_wall: f64,
+    pub(super) mu_pp: f64,
+    pub(super) ours: [f64; 4],
     /// Standard errors of our means.
     error: [f64; 4],
-    edem: [f64; 4],
+    pub(super) edem: [f64; 4],
 }
 
 /// How one response agrees over all settings.
@@ -44,20 +45,20 @@ struct Agreement {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
-struct Comparison {
-    table: String,
+pub(super) struct Comparison {
+    pub(super) table: String,
     /// Whether ours were simulated by the laws that EDEM documents.
-    edem_laws: bool,
-    settings: Vec<Setting>,
+    pub(super) edem_laws: bool,
+    pub(super) settings: Vec<Setting>,
     agreement: [Agreement; 4],
 }
 
-type Key = (i64, i64, i64);
+pub(super) type Key = (i64, i64, i64);
 
 /// Readings by setting.
-type BySetting = BTreeMap<Key, Reading>;
+pub(super) type BySetting = BTreeMap<Key, Reading>;
 
-fn key(omega: f64, wall: f64, pp: f64) -> Key {
+pub(super) fn key(omega: f64, wall: f64, pp: f64) -> Key {
     let k = |x: f64| (1e3 * x).round() as i64;
     (k(omega), k(wall), k(pp))
 }
@@ -75,12 +76,7 @@ pub(crate) struct More {
 /// of responses; configurations that are not asked for stay as they were last written.
 pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result<()> {
     let docs = crate::root().join("docs");
-    let kept = docs.join("own-dem.json");
-    let mut all: Vec<Comparison> = match std::fs::read_to_string(&kept) {
-        Ok(text) => serde_json::from_str(&text).with_context(|| kept.display().to_string())?,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-        Err(e) => return Err(e).with_context(|| kept.display().to_string()),
-    };
+    let (kept, mut all) = kept()?;
     for config in configs {
         let ours = by_setting(&simulate(config, Design::Table8, jobs)?);
         keep(config)?;
@@ -90,9 +86,8 @@ pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result
         }
         for wall in ["Plexi", "Steel"] {
             let name = format!("{config}_{wall}");
-            let (_, _, edem) = tables(&name, ErrataLevel::Likely)?;
             for (edem_laws, set) in &sets {
-                let compared = compare(&name, *edem_laws, set, &edem)?;
+                let compared = compare(&name, *edem_laws, set)?;
                 all.retain(|c| c.table != name || c.edem_laws != *edem_laws);
                 all.push(compared);
             }
@@ -110,16 +105,30 @@ pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result
     Ok(())
 }
 
-fn by_setting(rows: &[OwnRow]) -> BySetting {
+pub(super) fn by_setting(rows: &[OwnRow]) -> BySetting {
     rows.iter().map(|r| (key(r.omega_rpm, r.mu_wall, r.mu_pp), r.edem)).collect()
 }
 
-fn compare(
-    name: &str,
-    edem_laws: bool,
-    ours: &BySetting,
-    edem: &SimulatedTable,
-) -> anyhow::Result<Comparison> {
+/// What was compared last, and where it is kept.
+pub(super) fn kept() -> anyhow::Result<(PathBuf, Vec<Comparison>)> {
+    let path = crate::root().join("docs/own-dem.json");
+    let all = match std::fs::read_to_string(&path) {
+        Ok(text) => serde_json::from_str(&text).with_context(|| path.display().to_string())?,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+        Err(e) => return Err(e).with_context(|| path.display().to_string()),
+    };
+    Ok((path, all))
+}
+
+fn compare(name: &str, edem_laws: bool, ours: &BySetting) -> anyhow::Result<Comparison> {
+    let settings = settings(name, ours)?;
+    let agreement = std::array::from_fn(|r| agreement(&settings, r));
+    Ok(Comparison { table: name.to_owned(), edem_laws, settings, agreement })
+}
+
+/// Settings of a printed table with ours beside them.
+pub(super) fn settings(name: &str, ours: &BySetting) -> anyhow::Result<Vec<Setting>> {
+    let (_, _, edem): (_, _, SimulatedTable) = tables(name, ErrataLevel::Likely)?;
     let at = |factor: &str| {
         let k = edem.factors.iter().position(|f| f == factor);
         k.with_context(|| format!("{name} has no column {factor}"))
@@ -141,8 +150,7 @@ fn compare(
         });
     }
     anyhow::ensure!(settings.len() > 2, "{name}: {} settings in common", settings.len());
-    let agreement = std::array::from_fn(|r| agreement(&settings, r));
-    Ok(Comparison { table: name.to_owned(), edem_laws, settings, agreement })
+    Ok(settings)
 }
 
 fn agreement(settings: &[Setting], r: usize) -> Agreement {

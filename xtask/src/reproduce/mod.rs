@@ -1,11 +1,13 @@
 //! Everything that the thesis's tables allow, computed anew beside what was printed.
 
+pub(crate) mod beads;
 mod campaigns;
 pub(crate) mod dem;
 mod documents;
 mod markdown;
 mod materials;
 pub(crate) mod own;
+mod own_beads;
 mod ranges;
 mod surrogates;
 pub(crate) mod variants;

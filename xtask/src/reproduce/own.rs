@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::campaigns::table;
 use super::materials::Material;
-use super::{markdown, records, study, tables};
+use super::{markdown, own_beads, records, study, tables};
 
 /// Configurations of the beads.
 pub(crate) const CONFIGS: [&str; 4] = ["AZ1_Plexi", "AZ2_Plexi", "AZ1_Steel", "AZ2_Steel"];
@@ -52,13 +52,28 @@ pub(crate) const TABLE_8_WALL: f64 = 0.4;
 /// A configuration with the table of our own runs, walls from `least_wall` on: its case as it is then, and
 /// the study.
 pub(crate) fn own_study(name: &str, least_wall: f64) -> anyhow::Result<(Case, Study)> {
-    let (mut case, measured, _) = tables(name, ErrataLevel::Certain)?;
+    own_study_of(name, least_wall, own_table(name, false)?)
+}
+
+/// The table of our own runs of a configuration.
+pub(super) fn own_table(name: &str, fuller: bool) -> anyhow::Result<SimulatedTable> {
+    let (case, ..) = tables(name, ErrataLevel::Certain)?;
     let config = name.split('_').next().unwrap_or(name);
-    let path = crate::root().join("fixtures").join(table(config));
+    let file = table(config, fuller);
+    let path = crate::root().join("fixtures").join(&file);
     let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let columns = Study::columns(&case)?;
     let columns: Vec<&str> = columns.iter().map(|(c, _)| c.as_str()).collect();
-    let mut simulated = SimulatedTable::parse(&table(config), &text, &columns)?;
+    Ok(SimulatedTable::parse(&file, &text, &columns)?)
+}
+
+/// As [`own_study`], with another table.
+pub(super) fn own_study_of(
+    name: &str,
+    least_wall: f64,
+    mut simulated: SimulatedTable,
+) -> anyhow::Result<(Case, Study)> {
+    let (mut case, measured, _) = tables(name, ErrataLevel::Certain)?;
     case.nuisance = READING
         .iter()
         .map(|(path, sd, reason)| Nuisance {
@@ -70,7 +85,7 @@ pub(crate) fn own_study(name: &str, least_wall: f64) -> anyhow::Result<(Case, St
         .collect();
     // Walls down to the lowest friction that was simulated.
     let wall = simulated.factors.iter().position(|f| f == "mu_wall");
-    let wall = wall.with_context(|| format!("{} has no column mu_wall", path.display()))?;
+    let wall = wall.with_context(|| format!("{} has no column mu_wall", simulated.file))?;
     simulated.rows.retain(|r| r.factors[wall] >= least_wall);
     let lowest = simulated.rows.iter().map(|r| r.factors[wall]).fold(f64::INFINITY, f64::min);
     for f in case.free.iter_mut().filter(|f| f.path == "friction.mantle") {
@@ -209,7 +224,7 @@ pub(crate) fn run() -> anyhow::Result<()> {
         Material::of("By our own runs, walls as far down as simulated", &wider)?,
     ];
     let docs = crate::root().join("docs");
-    let text = page(&all, &materials)?;
+    let text = page(&all, &materials)? + &own_beads::section()?;
     crate::write_whole(&docs.join("src/own-dem-calibration.md"), &text)?;
     let json = serde_json::json!({ "calibrated": all, "one_friction": materials });
     crate::write_whole(
