@@ -79,6 +79,10 @@ pub struct CloseLoop<'a> {
 /// little at the calibrated point and is far from it, where nobody has looked yet.
 const OPEN: f64 = 0.5;
 
+/// Probability of the fresh runs of an answer below which it is asked again with them: a right name may have a
+/// strength that they know better.
+const BARELY: f64 = 0.05;
+
 /// How often a question is asked again with the fresh runs of its answer.
 const RETRIES: usize = 5;
 
@@ -165,7 +169,10 @@ impl CloseLoop<'_> {
             // An alarm that fresh runs of the calibrated model do not bear out may be its surface's.
             let level = self.settings.attribution.level;
             let alarm = !outcome.members.is_empty() && outcome.before.errors.p_all > level;
-            let open = several && outcome.members.len() > 1 || alarm;
+            // An answer that fresh runs bear out only just has a strength that they know better.
+            let stands = outcome.confirmed == Some(true);
+            let barely = stands && outcome.after.errors.p_all < BARELY;
+            let open = several && outcome.members.len() > 1 || alarm || barely;
             let open = open && !costly;
             let spare = self.spare(&state, 1 + if refuted { 2 } else { CONFIRMED_MEMBERS });
             let learns = learned.iter().any(|l| state.can_learn(l));
@@ -181,7 +188,7 @@ impl CloseLoop<'_> {
                     return Ok(kept.map_or(outcome, |o| Outcome { runs, cost_s, ..o }));
                 }
                 looked_on = true;
-                stood = (outcome.confirmed == Some(true)).then(|| outcome.clone());
+                stood = stands.then(|| outcome.clone()).or(stood);
                 state.learn(learned);
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
@@ -191,6 +198,9 @@ impl CloseLoop<'_> {
                 round += 1;
                 finding = state.attribute(&self.settings.attribution)?;
                 continue;
+            }
+            if barely {
+                stood = Some(outcome);
             }
             state.learn(learned);
             state.learn_base()?;

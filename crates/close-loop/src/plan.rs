@@ -117,7 +117,7 @@ impl Effort {
             zoom: 2 * free + 3,
             replicates: 5,
             probes: 2,
-            refine: 4 * free + 10,
+            refine: 8 * free + 20,
             short_list: effects.min(4),
             confirm: confirm(3),
         };

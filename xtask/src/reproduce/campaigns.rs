@@ -196,19 +196,22 @@ fn write(path: &str, config: &str, how: &str, designs: &[Design]) -> anyhow::Res
         let _ = write!(text, ",{},{}", r.column(), r.sd_column());
     }
     text.push('\n');
-    let mut run = 0;
+    let mut all = Vec::new();
     for design in designs {
-        if !design.folder(config).join("manifest.json").exists() {
-            continue;
+        if design.folder(config).join("manifest.json").exists() {
+            all.extend(rows(&design.campaign(config)?)?);
         }
-        for row in rows(&design.campaign(config)?)? {
-            run += 1;
-            let _ = write!(text, "{run},{},{},{}", row.omega_rpm, row.mu_wall, row.mu_pp);
-            for r in 0..4 {
-                let _ = write!(text, ",{:.3},{:.3}", row.photograph.mean[r], row.photograph.sd[r]);
-            }
-            text.push('\n');
+    }
+    if all.is_empty() {
+        return Ok(());
+    }
+    for (k, row) in all.iter().enumerate() {
+        let run = k + 1;
+        let _ = write!(text, "{run},{},{},{}", row.omega_rpm, row.mu_wall, row.mu_pp);
+        for r in 0..4 {
+            let _ = write!(text, ",{:.3},{:.3}", row.photograph.mean[r], row.photograph.sd[r]);
         }
+        text.push('\n');
     }
     crate::write_whole(&crate::root().join("fixtures").join(path), &text)
 }
