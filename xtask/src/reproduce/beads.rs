@@ -7,6 +7,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use anyhow::Context;
+use calib_report::Picture as _;
+use calib_report::pictures::{
+    AxisSpacing, ChartAxis, ChartPoint, ChartSeries, LineChart, SeriesStyle,
+};
 
 use super::campaigns::{Design, MORE, keep_fuller, simulate};
 use super::dem::{Comparison, Setting, TARGET, by_setting, kept, key};
@@ -93,6 +97,8 @@ fn rows(printed: &Comparison, more: &[Setting]) -> Vec<Row> {
 /// Simulate what is not there yet and write docs/src/own-dem-beads.md.
 pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
     let (_, all) = kept()?;
+    let docs = crate::root().join("docs/src");
+    let mut pictures = String::new();
     let mut told = String::from(
         "| table | by where the centre is | by how it moves from setting to setting | by the angles |\n|---|---|---|---|\n",
     );
@@ -124,6 +130,9 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
                 show(BY_ANGLES)
             );
             let (factor, _) = beads(&rows, BY_CHANGES);
+            let file = format!("img/own-dem-beads-{}.svg", name.to_lowercase());
+            crate::write_whole(&docs.join(&file), &picture(&name, &rows, factor))?;
+            let _ = write!(pictures, "![{name}]({file})\n\n");
             for (r, response) in rig_schema::Response::ALL.iter().enumerate() {
                 let (before, after) = (rmse(&rows, 1.0, r, r > 1), rmse(&rows, factor, r, r > 1));
                 let _ = writeln!(
@@ -162,11 +171,46 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
         let _ = simulate(config, Design::OursFuller, jobs)?;
         keep_fuller(config)?;
     }
-    let text = format!("{HEAD}{told}\n{OUTCOME}{outcome}\n{SPEEDS}{speeds}");
-    crate::write_whole(&crate::root().join("docs/src/own-dem-beads.md"), &text)?;
+    let text = format!("{HEAD}{told}\n{OUTCOME}{outcome}\n{SPEEDS}{speeds}\n{PICTURES}{pictures}");
+    crate::write_whole(&docs.join("own-dem-beads.md"), text.trim_end())?;
     println!("{text}");
     Ok(())
 }
+
+/// The middle line of every setting: EDEM's across, ours up.
+fn picture(name: &str, rows: &[Row], factor: f64) -> String {
+    let part = (factor - 1.0) / (MORE - 1.0);
+    let of = |part: f64| -> Vec<ChartPoint> {
+        let point = |s: &Row| ChartPoint::from((s.edem[1], s.ours[1] + part * s.change[1]));
+        rows.iter().map(point).collect()
+    };
+    let edem = || rows.iter().map(|s| s.edem[1]);
+    let ends = [edem().fold(f64::INFINITY, f64::min), edem().fold(f64::NEG_INFINITY, f64::max)];
+    let series = |name: String, style: SeriesStyle, points: Vec<ChartPoint>| ChartSeries {
+        name,
+        style,
+        points,
+    };
+    let axis = |label: &str| ChartAxis {
+        label: label.to_owned(),
+        range: None,
+        spacing: AxisSpacing::Linear,
+    };
+    let chart = LineChart {
+        title: format!("{name}: middle line at all settings of Table 8"),
+        x: axis("EDEM, deg"),
+        y: axis("ours by EDEM's laws, deg"),
+        series: vec![
+            series("equal".to_owned(), SeriesStyle::Line, ends.map(|v| (v, v).into()).to_vec()),
+            series("printed number of beads".to_owned(), SeriesStyle::Points, of(0.0)),
+            series(format!("{factor:.2} times as many"), SeriesStyle::Points, of(part)),
+        ],
+        ..LineChart::default()
+    };
+    chart.svg()
+}
+
+const PICTURES: &str = "## Setting by setting\n\n";
 
 const HEAD: &str = "# How many beads EDEM's pictures show\n\n\
     `cargo xtask reproduce --dem --beads`. Our drums by EDEM's laws ([beside EDEM's tables](own-dem.md)) are simulated once more with 1.15\n\
