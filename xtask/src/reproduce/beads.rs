@@ -215,8 +215,8 @@ const PICTURES: &str = "## Setting by setting\n\n";
 const HEAD: &str = "# How many beads EDEM's pictures show\n\n\
     `cargo xtask reproduce --dem --beads`. Our drums by EDEM's laws ([beside EDEM's tables](own-dem.md)) are simulated once more with 1.15\n\
     times the printed number of beads, and every response is taken as a straight line between the two numbers. How many beads the printed\n\
-    tables call for is told in three ways that share nothing: by where the centre of area is, by how it moves from setting to setting (what a\n\
-    shifted reference circle cannot feign), and by the two angles. In brackets the standard error that leaving out drum after drum gives.\n\n\
+    tables call for is told in three ways: by where the centre of area is, by how it moves from setting to setting (what a\n\
+    shifted reference circle cannot feign), and by the two angles, which have nothing to do with the circle. In brackets the standard error that leaving out drum after drum gives.\n\n\
     Factor on the printed number of beads:\n\n";
 const OUTCOME: &str = "## What so many beads do\n\n\
     With the number that the centre's movements tell, at all settings of Table 8: no angle and no place of a circle was used to find it. RMSE of\n\
