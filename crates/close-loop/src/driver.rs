@@ -183,17 +183,17 @@ impl CloseLoop<'_> {
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
-                    let (runs, cost_s) = (outcome.runs, outcome.cost_s);
-                    let kept = stood.filter(|_| refuted);
-                    return Ok(kept.map_or(outcome, |o| Outcome { runs, cost_s, ..o }));
+                    return Ok(standing(outcome, stood));
                 }
                 looked_on = true;
-                stood = stands.then(|| outcome.clone()).or(stood);
                 state.learn(learned);
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
                 if state.runs.everyday == before {
-                    return Ok(outcome);
+                    return Ok(standing(outcome, stood));
+                }
+                if stands {
+                    stood = Some(outcome);
                 }
                 round += 1;
                 finding = state.attribute(&self.settings.attribution)?;
@@ -274,6 +274,13 @@ impl CloseLoop<'_> {
         };
         Ok((state, finding))
     }
+}
+
+/// The last answer, or where fresh runs refuted it the one that stood before.
+fn standing(outcome: Outcome, stood: Option<Outcome>) -> Outcome {
+    let (runs, cost_s) = (outcome.runs, outcome.cost_s);
+    let kept = stood.filter(|_| outcome.confirmed == Some(false));
+    kept.map_or(outcome, |o| Outcome { runs, cost_s, ..o })
 }
 
 /// Effects that need simulations of their own; an uncertain known takes two.

@@ -3,7 +3,7 @@
 //! Between the printed number and [`MORE`] times as many every response is taken as a straight line. The number is
 //! told by how the centre of area moves from setting to setting; what it does to the angles is a prediction.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use anyhow::Context;
@@ -13,16 +13,25 @@ use calib_report::pictures::{
 };
 
 use super::campaigns::{Design, MORE, keep_fuller, simulate};
-use super::dem::{Comparison, Setting, TARGET, by_setting, kept, key};
+use super::dem::{BySetting, Setting, TARGET, agreement, by_setting, kept};
 
-/// One setting: ours with the printed number, what more beads change, EDEM's.
+/// One setting: ours with the printed number beside EDEM's, and what more beads change.
 struct Row {
-    /// Frictions, thousandths: a drum, which goes through three speeds.
-    drum: (i64, i64),
-    omega_rpm: f64,
-    ours: [f64; 4],
+    printed: Setting,
     change: [f64; 4],
-    edem: [f64; 4],
+}
+
+impl Row {
+    /// Frictions, thousandths: a drum, which goes through three speeds.
+    fn drum(&self) -> (i64, i64) {
+        let (_, wall, pp) = self.printed.key();
+        (wall, pp)
+    }
+
+    /// Ours less EDEM's with the printed number.
+    fn off(&self, r: usize) -> f64 {
+        self.printed.ours[r] - self.printed.edem[r]
+    }
 }
 
 /// Which numbers tell how many beads there are.
@@ -45,10 +54,10 @@ fn part(rows: &[&Row], told: Told) -> f64 {
         let mean = |of: &dyn Fn(&Row) -> f64| {
             if told.shifted { rows.iter().map(|s| of(s)).sum::<f64>() / n } else { 0.0 }
         };
-        let (change, off) = (mean(&|s| s.change[r]), mean(&|s| s.ours[r] - s.edem[r]));
+        let (change, off) = (mean(&|s| s.change[r]), mean(&|s| s.off(r)));
         for s in rows {
             let c = s.change[r] - change;
-            cross -= c * (s.ours[r] - s.edem[r] - off);
+            cross -= c * (s.off(r) - off);
             square += c * c;
         }
     }
@@ -59,11 +68,10 @@ fn part(rows: &[&Row], told: Told) -> f64 {
 fn beads(rows: &[Row], told: Told) -> (f64, f64) {
     let factor = |rows: &[&Row]| 1.0 + (MORE - 1.0) * part(rows, told);
     let all: Vec<&Row> = rows.iter().collect();
-    let mut by_drum: BTreeMap<(i64, i64), usize> = BTreeMap::new();
-    rows.iter().for_each(|r| *by_drum.entry(r.drum).or_default() += 1);
-    let without: Vec<f64> = by_drum
-        .keys()
-        .map(|drum| factor(&all.iter().copied().filter(|r| r.drum != *drum).collect::<Vec<_>>()))
+    let drums: BTreeSet<(i64, i64)> = rows.iter().map(Row::drum).collect();
+    let without: Vec<f64> = drums
+        .iter()
+        .map(|drum| factor(&all.iter().copied().filter(|r| r.drum() != *drum).collect::<Vec<_>>()))
         .collect();
     let n = without.len() as f64;
     let mean = without.iter().sum::<f64>() / n;
@@ -71,27 +79,24 @@ fn beads(rows: &[Row], told: Told) -> (f64, f64) {
     (factor(&all), ((n - 1.0) / n * spread).sqrt())
 }
 
-/// Root mean square of ours less EDEM's with so many beads; the mean taken off or not.
-fn rmse(rows: &[Row], factor: f64, r: usize, shifted: bool) -> (f64, f64) {
+/// Ours with so many times the printed number, beside EDEM's.
+fn with_beads(rows: &[Row], factor: f64) -> Vec<Setting> {
     let part = (factor - 1.0) / (MORE - 1.0);
-    let off: Vec<f64> = rows.iter().map(|s| s.ours[r] + part * s.change[r] - s.edem[r]).collect();
-    let n = off.len() as f64;
-    let mean = off.iter().sum::<f64>() / n;
-    let about = if shifted { mean } else { 0.0 };
-    (mean, (off.iter().map(|d| (d - about).powi(2)).sum::<f64>() / n).sqrt())
+    let one = |row: &Row| {
+        let ours = std::array::from_fn(|r| row.printed.ours[r] + part * row.change[r]);
+        Setting { ours, ..row.printed.clone() }
+    };
+    rows.iter().map(one).collect()
 }
 
-fn rows(printed: &Comparison, more: &[Setting]) -> Vec<Row> {
-    let of = |s: &Setting| key(s.omega_rpm, s.mu_wall, s.mu_pp);
-    let by: BTreeMap<_, &Setting> = more.iter().map(|s| (of(s), s)).collect();
-    let one = |s: &Setting| {
-        let fuller = by.get(&of(s))?;
-        let (_, wall, pp) = of(s);
-        let change = std::array::from_fn(|r| fuller.ours[r] - s.ours[r]);
-        let (ours, edem) = (s.ours, s.edem);
-        Some(Row { drum: (wall, pp), omega_rpm: s.omega_rpm, ours, change, edem })
+/// Settings that were simulated with both numbers.
+fn rows(printed: &[Setting], more: &BySetting) -> Vec<Row> {
+    let one = |printed: &Setting| {
+        let fuller = more.get(&printed.key())?;
+        let change = std::array::from_fn(|r| fuller.mean[r] - printed.ours[r]);
+        Some(Row { printed: printed.clone(), change })
     };
-    printed.settings.iter().filter_map(one).collect()
+    printed.iter().filter_map(one).collect()
 }
 
 /// Simulate what is not there yet and write docs/src/own-dem-beads.md.
@@ -116,8 +121,7 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
             let own = own.with_context(|| {
                 format!("{name} is not in docs/own-dem.json by EDEM's laws: --dem --edem-laws")
             })?;
-            let fuller = super::dem::settings(&name, &more)?;
-            let rows = rows(own, &fuller);
+            let rows = rows(&own.settings, &more);
             let show = |t: Told| {
                 let (factor, error) = beads(&rows, t);
                 format!("{factor:.3} ({error:.3})")
@@ -130,39 +134,40 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
                 show(BY_ANGLES)
             );
             let (factor, _) = beads(&rows, BY_CHANGES);
+            let so_many = with_beads(&rows, factor);
             let file = format!("img/own-dem-beads-{}.svg", name.to_lowercase());
-            crate::write_whole(&docs.join(&file), &picture(&name, &rows, factor))?;
+            let picture = picture(&name, &own.settings, &so_many, factor);
+            crate::write_whole(&docs.join(&file), &picture)?;
             let _ = write!(pictures, "![{name}]({file})\n\n");
             for (r, response) in rig_schema::Response::ALL.iter().enumerate() {
-                let (before, after) = (rmse(&rows, 1.0, r, r > 1), rmse(&rows, factor, r, r > 1));
+                let (before, after) = (agreement(&own.settings, r), agreement(&so_many, r));
                 let _ = writeln!(
                     outcome,
                     "| {name} | {} | {:+.2} | {:+.2} | {:.2} | {:.2} | {:.1} |",
                     response.column(),
-                    before.0,
-                    after.0,
-                    before.1,
-                    after.1,
+                    before.bias,
+                    after.bias,
+                    before.rmse,
+                    after.rmse,
                     TARGET[r]
                 );
             }
-            let mut each: Vec<f64> = rows.iter().map(|r| r.omega_rpm).collect();
+            let mut each: Vec<f64> = so_many.iter().map(|s| s.omega_rpm).collect();
             each.sort_by(f64::total_cmp);
             each.dedup();
             for rpm in each {
-                let part = (factor - 1.0) / (MORE - 1.0);
-                let of = |r: usize, part: f64| {
-                    let own: Vec<&Row> = rows.iter().filter(|s| s.omega_rpm == rpm).collect();
-                    let off = |s: &&Row| s.ours[r] + part * s.change[r] - s.edem[r];
-                    own.iter().map(off).sum::<f64>() / own.len() as f64
+                let bias = |all: &[Setting], r: usize| {
+                    let own: Vec<Setting> =
+                        all.iter().filter(|s| s.omega_rpm == rpm).cloned().collect();
+                    agreement(&own, r).bias
                 };
                 let _ = writeln!(
                     speeds,
                     "| {name} | {rpm} | {:+.2} | {:+.2} | {:+.2} | {:+.2} |",
-                    of(0, 0.0),
-                    of(0, part),
-                    of(1, 0.0),
-                    of(1, part)
+                    bias(&own.settings, 0),
+                    bias(&so_many, 0),
+                    bias(&own.settings, 1),
+                    bias(&so_many, 1)
                 );
             }
         }
@@ -178,13 +183,11 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
 }
 
 /// The middle line of every setting: EDEM's across, ours up.
-fn picture(name: &str, rows: &[Row], factor: f64) -> String {
-    let part = (factor - 1.0) / (MORE - 1.0);
-    let of = |part: f64| -> Vec<ChartPoint> {
-        let point = |s: &Row| ChartPoint::from((s.edem[1], s.ours[1] + part * s.change[1]));
-        rows.iter().map(point).collect()
+fn picture(name: &str, printed: &[Setting], so_many: &[Setting], factor: f64) -> String {
+    let of = |all: &[Setting]| -> Vec<ChartPoint> {
+        all.iter().map(|s| ChartPoint::from((s.edem[1], s.ours[1]))).collect()
     };
-    let edem = || rows.iter().map(|s| s.edem[1]);
+    let edem = || printed.iter().map(|s| s.edem[1]);
     let ends = [edem().fold(f64::INFINITY, f64::min), edem().fold(f64::NEG_INFINITY, f64::max)];
     let series = |name: String, style: SeriesStyle, points: Vec<ChartPoint>| ChartSeries {
         name,
@@ -202,8 +205,8 @@ fn picture(name: &str, rows: &[Row], factor: f64) -> String {
         y: axis("ours by EDEM's laws, deg"),
         series: vec![
             series("equal".to_owned(), SeriesStyle::Line, ends.map(|v| (v, v).into()).to_vec()),
-            series("printed number of beads".to_owned(), SeriesStyle::Points, of(0.0)),
-            series(format!("{factor:.2} times as many"), SeriesStyle::Points, of(part)),
+            series("printed number of beads".to_owned(), SeriesStyle::Points, of(printed)),
+            series(format!("{factor:.2} times as many"), SeriesStyle::Points, of(so_many)),
         ],
         ..LineChart::default()
     };
@@ -236,7 +239,9 @@ mod tests {
             let part = (factor - 1.0) / (MORE - 1.0);
             let off = [0.0, 0.0, shift, shift];
             let edem = std::array::from_fn(|r| ours[r] + part * change[r] + off[r]);
-            Row { drum: (k % 3, k / 3 % 3), omega_rpm: x, ours, change, edem }
+            let (mu_wall, mu_pp) = ((k % 3) as f64, (k / 3 % 3) as f64);
+            let error = [0.1; 4];
+            Row { printed: Setting { omega_rpm: x, mu_wall, mu_pp, ours, error, edem }, change }
         };
         (0..27).map(row).collect()
     }
@@ -248,7 +253,7 @@ mod tests {
             let (factor, error) = beads(&exact, told);
             assert!((factor - 1.12).abs() < 1e-9 && error < 1e-9, "{factor} {error}");
         }
-        assert!(rmse(&exact, 1.12, 1, false).1 < 1e-9);
+        assert!(agreement(&with_beads(&exact, 1.12), 1).rmse < 1e-9);
         let shifted = drums(1.12, 2.0);
         assert!((beads(&shifted, BY_CHANGES).0 - 1.12).abs() < 1e-9);
         // Two per cent of R are eight per cent of the beads where 15 % move the centre by some four.

@@ -24,6 +24,9 @@ pub(super) const EDEM_LAWS: [(&str, &str); 2] = [
 /// Factor on the number of beads of the fuller drums.
 pub(super) const MORE: f64 = 1.15;
 
+/// The line of a plan that says so.
+const FULLER: (&str, &str) = ("[fill]\n", "[fill]\nscale = 1.15\n");
+
 /// Which settings of a configuration are simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Design {
@@ -47,7 +50,7 @@ impl Design {
     /// Lines of the plan of Table 8 and what stands in their place.
     const fn changes(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Self::Table8 | Self::OursFuller => &[],
+            Self::Table8 => &[],
             Self::Between => &[
                 ("factors.friction.pp = [0.1, 0.5, 0.9]", "factors.friction.pp = [0.25, 0.7]"),
                 (
@@ -55,7 +58,9 @@ impl Design {
                     "factors.friction.mantle = [0.1, 0.5]",
                 ),
             ],
-            Self::EdemLaws | Self::Fuller => &EDEM_LAWS,
+            Self::EdemLaws => &EDEM_LAWS,
+            Self::Fuller => &[EDEM_LAWS[0], EDEM_LAWS[1], FULLER],
+            Self::OursFuller => &[FULLER],
         }
     }
 
@@ -77,9 +82,6 @@ impl Design {
         for (old, new) in self.changes() {
             anyhow::ensure!(text.contains(old), "{file} has no line `{old}`");
             text = text.replace(old, new);
-        }
-        if matches!(self, Self::Fuller | Self::OursFuller) {
-            text = text.replace("\n[fill]\n", &format!("\n[fill]\nscale = {MORE}\n"));
         }
         let manifest = Manifest::freeze(&file, &text, &Freeze::default())?;
         Ok(Campaign::begin(&self.folder(config), manifest)?)
@@ -214,4 +216,14 @@ fn write(path: &str, config: &str, how: &str, designs: &[Design]) -> anyhow::Res
         text.push('\n');
     }
     crate::write_whole(&crate::root().join("fixtures").join(path), &text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fuller_drum_has_so_many_more_beads() {
+        assert_eq!(FULLER.1, format!("{}scale = {MORE}\n", FULLER.0));
+    }
 }

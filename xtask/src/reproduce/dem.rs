@@ -25,17 +25,23 @@ pub(super) struct Setting {
     pub(super) mu_pp: f64,
     pub(super) ours: [f64; 4],
     /// Standard errors of our means.
-    error: [f64; 4],
+    pub(super) error: [f64; 4],
     pub(super) edem: [f64; 4],
+}
+
+impl Setting {
+    pub(super) fn key(&self) -> Key {
+        key(self.omega_rpm, self.mu_wall, self.mu_pp)
+    }
 }
 
 /// How one response agrees over all settings.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Agreement {
+pub(super) struct Agreement {
     /// Mean of ours less EDEM's.
-    bias: f64,
+    pub(super) bias: f64,
     /// Root mean square of ours less EDEM's, the mean taken off for the centroid.
-    rmse: f64,
+    pub(super) rmse: f64,
     /// The same with the mean taken off for the angles as well.
     rmse_free: f64,
     /// Rank correlation (Spearman).
@@ -58,7 +64,7 @@ pub(super) type Key = (i64, i64, i64);
 /// Readings by setting.
 pub(super) type BySetting = BTreeMap<Key, Reading>;
 
-pub(super) fn key(omega: f64, wall: f64, pp: f64) -> Key {
+fn key(omega: f64, wall: f64, pp: f64) -> Key {
     let k = |x: f64| (1e3 * x).round() as i64;
     (k(omega), k(wall), k(pp))
 }
@@ -86,8 +92,9 @@ pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result
         }
         for wall in ["Plexi", "Steel"] {
             let name = format!("{config}_{wall}");
+            let (_, _, edem) = tables(&name, ErrataLevel::Likely)?;
             for (edem_laws, set) in &sets {
-                let compared = compare(&name, *edem_laws, set)?;
+                let compared = compare(&name, *edem_laws, set, &edem)?;
                 all.retain(|c| c.table != name || c.edem_laws != *edem_laws);
                 all.push(compared);
             }
@@ -120,15 +127,12 @@ pub(super) fn kept() -> anyhow::Result<(PathBuf, Vec<Comparison>)> {
     Ok((path, all))
 }
 
-fn compare(name: &str, edem_laws: bool, ours: &BySetting) -> anyhow::Result<Comparison> {
-    let settings = settings(name, ours)?;
-    let agreement = std::array::from_fn(|r| agreement(&settings, r));
-    Ok(Comparison { table: name.to_owned(), edem_laws, settings, agreement })
-}
-
-/// Settings of a printed table with ours beside them.
-pub(super) fn settings(name: &str, ours: &BySetting) -> anyhow::Result<Vec<Setting>> {
-    let (_, _, edem): (_, _, SimulatedTable) = tables(name, ErrataLevel::Likely)?;
+fn compare(
+    name: &str,
+    edem_laws: bool,
+    ours: &BySetting,
+    edem: &SimulatedTable,
+) -> anyhow::Result<Comparison> {
     let at = |factor: &str| {
         let k = edem.factors.iter().position(|f| f == factor);
         k.with_context(|| format!("{name} has no column {factor}"))
@@ -150,10 +154,11 @@ pub(super) fn settings(name: &str, ours: &BySetting) -> anyhow::Result<Vec<Setti
         });
     }
     anyhow::ensure!(settings.len() > 2, "{name}: {} settings in common", settings.len());
-    Ok(settings)
+    let agreement = std::array::from_fn(|r| agreement(&settings, r));
+    Ok(Comparison { table: name.to_owned(), edem_laws, settings, agreement })
 }
 
-fn agreement(settings: &[Setting], r: usize) -> Agreement {
+pub(super) fn agreement(settings: &[Setting], r: usize) -> Agreement {
     let pairs: Vec<(f64, f64)> = settings
         .iter()
         .map(|s| (s.ours[r], s.edem[r]))

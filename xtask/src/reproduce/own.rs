@@ -30,7 +30,7 @@ const M0: [f64; 3] = [0.1, 0.2, 0.4];
 
 /// One configuration by one simulator.
 #[derive(Serialize)]
-struct Calibrated {
+pub(super) struct Calibrated {
     config: &'static str,
     /// EDEM or Tumble.
     simulator: &'static str,
@@ -38,8 +38,8 @@ struct Calibrated {
     basis: String,
     /// Friction between beads and of the mantle: value and 95 % interval (open where the range ends first).
     frictions: Vec<(String, f64, Option<f64>, Option<f64>)>,
-    chi2: f64,
-    dof: usize,
+    pub(super) chi2: f64,
+    pub(super) dof: usize,
     /// Root mean squares of the residuals, deg, deg, % R, % R.
     rmse: [f64; 4],
     /// Nuisances at the best fit, and how far from their priors, in standard deviations.
@@ -111,7 +111,7 @@ pub(super) fn own_study_of(
     Ok((case, study))
 }
 
-fn basis(case: &Case) -> String {
+pub(super) fn basis(case: &Case) -> String {
     match &case.simulator {
         Simulator::Table(t) => match t.basis {
             TableBasis::Quadratic => "quadratic".to_owned(),
@@ -121,7 +121,24 @@ fn basis(case: &Case) -> String {
     }
 }
 
-fn calibrated(
+impl Calibrated {
+    /// A friction with its interval.
+    pub(super) fn friction(&self, path: &str) -> String {
+        match self.frictions.iter().find(|f| f.0 == path) {
+            Some((_, v, lo, hi)) => {
+                format!("{v:.2} ({} to {})", markdown::open(*lo), markdown::open(*hi))
+            }
+            None => String::new(),
+        }
+    }
+
+    /// The four root mean squares.
+    pub(super) fn rmse(&self) -> String {
+        self.rmse.map(|v| format!("{v:.2}")).join(", ")
+    }
+}
+
+pub(super) fn calibrated(
     config: &'static str,
     simulator: &'static str,
     basis: String,
@@ -164,13 +181,6 @@ fn page(all: &[Calibrated], materials: &[Material]) -> anyhow::Result<String> {
          |---|---|---|---|---|---|---|---|---|\n",
     );
     for c in all {
-        let friction = |path: &str| match c.frictions.iter().find(|f| f.0 == path) {
-            Some((_, v, lo, hi)) => {
-                format!("{v:.2} ({} to {})", markdown::open(*lo), markdown::open(*hi))
-            }
-            None => String::new(),
-        };
-        let rmse: Vec<String> = c.rmse.iter().map(|v| format!("{v:.2}")).collect();
         let reading: Vec<String> = c
             .nuisances
             .iter()
@@ -185,11 +195,11 @@ fn page(all: &[Calibrated], materials: &[Material]) -> anyhow::Result<String> {
             printed(c.config)?,
             c.simulator,
             c.basis,
-            friction("friction.pp"),
-            friction("friction.mantle"),
+            c.friction("friction.pp"),
+            c.friction("friction.mantle"),
             c.chi2,
             c.dof,
-            rmse.join(", "),
+            c.rmse(),
             reading.join(", ")
         );
     }

@@ -320,9 +320,14 @@ impl Manifest {
     /// # Errors
     /// As [`Manifest::rig`], and those of a camera that cannot be set up.
     pub(crate) fn of_one_motion(&self, row: &Row) -> Result<Vec<&Row>, CampaignError> {
+        let seeded: Vec<&Row> = self.rows().iter().filter(|r| r.seed == row.seed).collect();
+        if seeded.len() == 1 {
+            return Ok(seeded);
+        }
+        // An exposure is the camera's, but decides at which instants a motion is sampled.
         let own = self.motion(row)?;
         let mut same = Vec::new();
-        for other in self.rows().iter().filter(|r| r.seed == row.seed) {
+        for other in seeded {
             if self.motion(other)? == own {
                 same.push(other);
             }

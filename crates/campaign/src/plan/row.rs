@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use drum_rig::{Experiment, Flow, Options, Outcome, Progress};
-
 use rig_schema::Rig;
 
 use super::checkpoint;
@@ -83,6 +82,7 @@ impl RowRun<'_> {
         }
         Ok(Left::Done(Simulated { particles, time_step_s, steps, speeds }, effort()))
     }
+
     /// The motion that another run has made, or the drum at its beginning.
     fn begin(&self, rig: &Rig, options: &Options) -> Result<Experiment, CampaignError> {
         if let Some(motion) = &self.motion {
