@@ -86,7 +86,12 @@ mod tests {
 
     #[test]
     fn a_stand_in_is_shifted_by_its_difference_where_the_whole_was_run() {
-        let axes = vec![Axis { path: "friction.pp".to_owned(), scale: Scale::Log, unit: 0.35 }];
+        let axes = vec![Axis {
+            path: "friction.pp".to_owned(),
+            scale: Scale::Log,
+            unit: 0.35,
+            roughness: 1.0,
+        }];
         let stand_ins: Vec<Sample> = (0..9).map(|k| run(0.2 + 0.05 * f64::from(k), 0.0)).collect();
         let model = Emulator::fit(axes, vec![0.4], vec![20.0], &stand_ins).unwrap();
         // Two places, 1.5 and 2.5 above the stand-in there.

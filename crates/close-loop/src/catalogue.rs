@@ -40,6 +40,9 @@ pub struct Effect {
     pub range: (f64, f64),
     /// Coordinate in which it acts about linearly.
     pub scale: Scale,
+    /// How fast responses bend over the stronger of the first strengths, as a factor on how they do over a unit of a
+    /// friction (a factor of 1.42).
+    pub roughness: f64,
     /// Parameters that take the same value.
     pub along: Vec<String>,
     /// Law that it needs.
@@ -201,9 +204,13 @@ impl Catalogue {
             null,
             probes: draft.probes.map(within),
             range: (within(draft.range.0).min(null), within(draft.range.1).max(null)),
-            scale: Scale::of(draft.path, draft.range.0),
+            scale: match draft.path {
+                "friction.mantle" | "friction.end_plate" => Scale::Saturating,
+                path => Scale::of(path, draft.range.0),
+            },
             along: along.map(|a| (*a).to_owned()).collect(),
             needs: draft.needs,
+            roughness: roughness(draft.path),
             prior: 1.0,
             exposed_by: draft.exposed_by.to_owned(),
             meaning: meaning.to_owned(),
@@ -230,6 +237,25 @@ fn cannot_act(rig: &Rig, path: &str) -> Option<&'static str> {
             Some("the rig has cohesion already")
         }
         _ => None,
+    }
+}
+
+/// How fast responses bend along an effect. Of 440 runs of thirteen effects in five drums of 560 beads (frictions 0.3 to 0.6),
+/// each predicted from those of its effect that were made before it, the likelihood is the best with 1.2, 0.85, 0.85, 0.7
+/// for cohesion, asphericity, a spread of sizes, rolling, and with 0.25 to 0.35 for the nine others. Other drums may differ, so
+/// those have more.
+fn roughness(path: &str) -> f64 {
+    match path {
+        "friction.kinetic_ratio"
+        | "fill.scale"
+        | "size.scale"
+        | "restitution.pp"
+        | "speed.scale"
+        | "vibration.amplitude_m"
+        | "wall_layer.thickness_m"
+        | "drag.coefficient_s"
+        | "stiffness.scale" => 0.5,
+        _ => 1.0,
     }
 }
 

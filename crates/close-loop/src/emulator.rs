@@ -20,6 +20,9 @@ pub struct Axis {
     pub scale: Scale,
     /// Change of the coordinate that counts as one.
     pub unit: f64,
+    /// How fast responses bend over a unit, as a factor on how they do over one of a friction: 1 for those, more
+    /// where beds turn from sticking to sliding, less for what acts evenly.
+    pub roughness: f64,
 }
 
 /// What one run showed.
@@ -319,10 +322,13 @@ impl Emulator {
         sum / self.knots.len() as f64
     }
 
-    /// Distance of two points, coded units.
+    /// Distance of two points, units.
     pub(crate) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
-        let (a, b) = (code(&self.axes, &self.origin, a), code(&self.axes, &self.origin, b));
-        distance_squared(&a, &b).sqrt()
+        let each = self.axes.iter().zip(a).zip(b);
+        let by = |((axis, a), b): ((&Axis, &f64), &f64)| {
+            (axis.scale.forth(*a) - axis.scale.forth(*b)) / axis.unit
+        };
+        each.map(|one| by(one).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Means at any speeds from those at the knots.
@@ -460,6 +466,6 @@ fn code(axes: &[Axis], origin: &[f64], at: &[f64]) -> Vec<f64> {
     axes.iter()
         .zip(origin)
         .zip(at)
-        .map(|((a, o), x)| (a.scale.forth(*x) - a.scale.forth(*o)) / a.unit)
+        .map(|((a, o), x)| (a.scale.forth(*x) - a.scale.forth(*o)) / a.unit * a.roughness)
         .collect()
 }

@@ -55,7 +55,12 @@ mod tests {
             Sample { at: vec![at], mean, covariance, variance: vec![[1e-3; 4]; 2], excess: 0.0 }
         };
         let runs: Vec<Sample> = (0..9).map(run).collect();
-        let axes = vec![Axis { path: "friction.pp".to_owned(), scale: Scale::Log, unit: 0.35 }];
+        let axes = vec![Axis {
+            path: "friction.pp".to_owned(),
+            scale: Scale::Log,
+            unit: 0.35,
+            roughness: 1.0,
+        }];
         let (origin, speeds) = (vec![0.4], [20.0, 40.0]);
         let model = Emulator::fit(axes, origin, speeds.to_vec(), &runs).unwrap();
         let mut there = model.moments(&[2.5]);

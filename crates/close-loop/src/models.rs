@@ -15,7 +15,8 @@ impl State<'_> {
         let mut axes = self.setup.axes.clone();
         let t = |x: f64| effect.scale.forth(x);
         let unit = (t(effect.probes[1]) - t(effect.null)).abs().max(f64::MIN_POSITIVE);
-        axes.push(Axis { path: effect.path.clone(), scale: effect.scale, unit });
+        let (path, roughness) = (effect.path.clone(), effect.roughness);
+        axes.push(Axis { path, scale: effect.scale, unit, roughness });
         axes
     }
 

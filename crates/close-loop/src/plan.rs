@@ -210,7 +210,8 @@ impl Setup {
             }
             let scale = Scale::of(&f.path, f.range.0);
             free.push(FreeParameter { name: f.path.clone(), range: f.range });
-            axes.push(Axis { path: f.path.clone(), scale, unit: scale.unit(f.range) });
+            let unit = scale.unit(f.range);
+            axes.push(Axis { path: f.path.clone(), scale, unit, roughness: 1.0 });
         }
         let mut nuisances = Vec::new();
         let mut simulated = Vec::new();

@@ -104,6 +104,7 @@ impl State<'_> {
             scale: Scale::Linear,
             along: Vec::new(),
             needs: Needs::Nothing,
+            roughness: 1.0,
             prior: 1.0,
             exposed_by: String::new(),
             meaning: p.meaning.to_owned(),

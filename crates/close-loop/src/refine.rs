@@ -246,6 +246,7 @@ mod tests {
             scale,
             along: Vec::new(),
             needs: Needs::Nothing,
+            roughness: 1.0,
             prior: 1.0,
             exposed_by: String::new(),
             meaning: String::new(),

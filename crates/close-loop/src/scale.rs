@@ -7,6 +7,11 @@
 /// // The angle of a bed goes with the logarithm of sliding friction and the root of rolling.
 /// assert_eq!(Scale::of("friction.pp", 0.1), Scale::Log);
 /// assert!((Scale::Root.forth(0.04) - 0.2).abs() < 1e-15);
+/// // A wall of friction 0.27 instead of 0.9 is a quarter of the way to a wall without any.
+/// let s = Scale::Saturating;
+/// let part = (s.forth(0.27) - s.forth(0.9)) / (s.forth(0.0) - s.forth(0.9));
+/// assert!((part - 0.251).abs() < 1e-3);
+/// assert!((s.back(s.forth(0.5)) - 0.5).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
@@ -16,7 +21,12 @@ pub enum Scale {
     Log,
     /// Its square root.
     Root,
+    /// `-exp(-x / 0.2)`: a wall whose friction suffices to carry the bed does no more with twice as much.
+    Saturating,
 }
+
+/// Friction of walls over which their effect falls to 1/e.
+const SATURATION: f64 = 0.2;
 
 impl Scale {
     /// The coordinate of a path whose lowest value is `low`.
@@ -34,6 +44,7 @@ impl Scale {
             Self::Linear => x,
             Self::Log => x.max(f64::MIN_POSITIVE).ln(),
             Self::Root => x.max(0.0).sqrt(),
+            Self::Saturating => -(-x / SATURATION).exp(),
         }
     }
 
@@ -43,6 +54,7 @@ impl Scale {
             Self::Linear => t,
             Self::Log => t.exp(),
             Self::Root => t.max(0.0).powi(2),
+            Self::Saturating => -SATURATION * t.min(-1e-12).abs().ln(),
         }
     }
 
@@ -53,7 +65,7 @@ impl Scale {
             // A factor of 1.42.
             Self::Log => 0.35f64.min(0.5 * whole),
             Self::Root => 0.1f64.min(0.5 * whole),
-            Self::Linear => 0.25 * whole,
+            Self::Linear | Self::Saturating => 0.25 * whole,
         }
     }
 }
