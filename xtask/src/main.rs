@@ -56,6 +56,9 @@ enum Task {
         /// With --dem: instead, how many beads EDEM's pictures show: docs/src/own-dem-beads.md.
         #[arg(long, requires = "dem", conflicts_with_all = ["between", "edem_laws"])]
         beads: bool,
+        /// With --dem: instead, beads whose radii scatter as Table 6 prints: docs/src/own-dem-sizes.md.
+        #[arg(long, requires = "dem", conflicts_with_all = ["between", "edem_laws", "beads"])]
+        sizes: bool,
         /// With --dem and --variants: simulations at a time; with --dem, 0 compares what is kept.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
@@ -107,6 +110,9 @@ fn main() -> ExitCode {
         Task::Reproduce { own: true, .. } => reproduce::own::run(),
         Task::Reproduce { beads: true, configurations, jobs, .. } => {
             reproduce::beads::run(&configurations, jobs)
+        }
+        Task::Reproduce { sizes: true, configurations, jobs, .. } => {
+            reproduce::sizes::run(&configurations, jobs)
         }
         Task::Reproduce { dem: true, configurations, between, edem_laws, jobs, .. } => {
             let more = reproduce::dem::More { between, edem_laws };

@@ -13,7 +13,7 @@ use calib_report::pictures::{
 };
 
 use super::campaigns::{Design, MORE, keep_fuller, simulate};
-use super::dem::{BySetting, Setting, TARGET, agreement, by_setting, kept};
+use super::dem::{BySetting, Setting, TARGET, agreement, by_setting, kept, speeds_of};
 
 /// One setting: ours with the printed number beside EDEM's, and what more beads change.
 struct Row {
@@ -89,6 +89,24 @@ fn with_beads(rows: &[Row], factor: f64) -> Vec<Setting> {
     rows.iter().map(one).collect()
 }
 
+/// Factor on the printed number that `from` calls for in each of the three ways, if more beads do to it what they do from
+/// `printed` to `more`.
+pub(super) fn called_for(
+    printed: &[Setting],
+    more: &BySetting,
+    from: &[Setting],
+) -> [(f64, f64); 3] {
+    let mut rows = rows(printed, more);
+    rows.retain_mut(|row| {
+        let own = from.iter().find(|s| s.key() == row.printed.key());
+        own.is_some_and(|own| {
+            row.printed = own.clone();
+            true
+        })
+    });
+    [BY_CENTRE, BY_CHANGES, BY_ANGLES].map(|told| beads(&rows, told))
+}
+
 /// Settings that were simulated with both numbers.
 fn rows(printed: &[Setting], more: &BySetting) -> Vec<Row> {
     let one = |printed: &Setting| {
@@ -136,7 +154,9 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
             let (factor, _) = beads(&rows, BY_CHANGES);
             let so_many = with_beads(&rows, factor);
             let file = format!("img/own-dem-beads-{}.svg", name.to_lowercase());
-            let picture = picture(&name, &own.settings, &so_many, factor);
+            let more = format!("{factor:.2} times as many");
+            let sets = [(&own.settings[..], "printed number of beads"), (&so_many[..], &more[..])];
+            let picture = picture(&name, &sets);
             crate::write_whole(&docs.join(&file), &picture)?;
             let _ = write!(pictures, "![{name}]({file})\n\n");
             for (r, response) in rig_schema::Response::ALL.iter().enumerate() {
@@ -152,10 +172,7 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
                     TARGET[r]
                 );
             }
-            let mut each: Vec<f64> = so_many.iter().map(|s| s.omega_rpm).collect();
-            each.sort_by(f64::total_cmp);
-            each.dedup();
-            for rpm in each {
+            for rpm in speeds_of(&so_many) {
                 let bias = |all: &[Setting], r: usize| {
                     let own: Vec<Setting> =
                         all.iter().filter(|s| s.omega_rpm == rpm).cloned().collect();
@@ -183,11 +200,11 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
 }
 
 /// The middle line of every setting: EDEM's across, ours up.
-fn picture(name: &str, printed: &[Setting], so_many: &[Setting], factor: f64) -> String {
+pub(super) fn picture(name: &str, sets: &[(&[Setting], &str)]) -> String {
     let of = |all: &[Setting]| -> Vec<ChartPoint> {
         all.iter().map(|s| ChartPoint::from((s.edem[1], s.ours[1]))).collect()
     };
-    let edem = || printed.iter().map(|s| s.edem[1]);
+    let edem = || sets.iter().flat_map(|(all, _)| all.iter()).map(|s| s.edem[1]);
     let ends = [edem().fold(f64::INFINITY, f64::min), edem().fold(f64::NEG_INFINITY, f64::max)];
     let series = |name: String, style: SeriesStyle, points: Vec<ChartPoint>| ChartSeries {
         name,
@@ -199,15 +216,15 @@ fn picture(name: &str, printed: &[Setting], so_many: &[Setting], factor: f64) ->
         range: None,
         spacing: AxisSpacing::Linear,
     };
+    let equal = ends.map(|v| (v, v).into()).to_vec();
+    let equal = series("equal".to_owned(), SeriesStyle::Line, equal);
+    let each =
+        sets.iter().map(|(all, how)| series((*how).to_owned(), SeriesStyle::Points, of(all)));
     let chart = LineChart {
         title: format!("{name}: middle line at all settings of Table 8"),
         x: axis("EDEM, deg"),
         y: axis("ours by EDEM's laws, deg"),
-        series: vec![
-            series("equal".to_owned(), SeriesStyle::Line, ends.map(|v| (v, v).into()).to_vec()),
-            series("printed number of beads".to_owned(), SeriesStyle::Points, of(printed)),
-            series(format!("{factor:.2} times as many"), SeriesStyle::Points, of(so_many)),
-        ],
+        series: std::iter::once(equal).chain(each).collect(),
         ..LineChart::default()
     };
     chart.svg()

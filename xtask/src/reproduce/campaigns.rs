@@ -27,6 +27,16 @@ pub(super) const MORE: f64 = 1.15;
 /// The line of a plan that says so.
 const FULLER: (&str, &str) = ("[fill]\n", "[fill]\nscale = 1.15\n");
 
+/// Table 6 prints the radius of the beads as (3.0 +- 0.3) mm. Read as limits between which all radii are as likely, the standard
+/// deviation is 0.3 / 3 / sqrt(3).
+const LIMITS: (&str, &str) = ("[fill]\n", "[size]\nspread = 0.058\n\n[fill]\n");
+
+/// Read as a standard deviation; the smallest of them need a shorter step.
+const DEVIATION: [(&str, &str); 2] = [
+    ("[fill]\n", "[size]\nspread = 0.1\n\n[fill]\nscale = 1.0\n"),
+    ("time_step_s = 7e-5", "time_step_s = 6e-5"),
+];
+
 /// Which settings of a configuration are simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Design {
@@ -41,6 +51,10 @@ pub(crate) enum Design {
     Fuller,
     /// Those of Table 8 by our laws with [`MORE`] times as many beads.
     OursFuller,
+    /// By EDEM's laws with radii between the limits that Table 6 prints.
+    Limits,
+    /// By EDEM's laws with radii that scatter by as much.
+    Deviation,
 }
 
 impl Design {
@@ -61,6 +75,8 @@ impl Design {
             Self::EdemLaws => &EDEM_LAWS,
             Self::Fuller => &[EDEM_LAWS[0], EDEM_LAWS[1], FULLER],
             Self::OursFuller => &[FULLER],
+            Self::Limits => &[EDEM_LAWS[0], EDEM_LAWS[1], LIMITS],
+            Self::Deviation => &[EDEM_LAWS[0], EDEM_LAWS[1], DEVIATION[0], DEVIATION[1]],
         }
     }
 
@@ -71,6 +87,8 @@ impl Design {
             Self::EdemLaws => "-edem-laws",
             Self::Fuller => "-edem-laws-fuller",
             Self::OursFuller => "-fuller",
+            Self::Limits => "-edem-laws-limits",
+            Self::Deviation => "-edem-laws-spread",
         };
         crate::root().join(format!("target/reproduce/{}{suffix}", config.to_lowercase()))
     }
@@ -223,7 +241,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fuller_drum_has_so_many_more_beads() {
+    fn plans_change_by_what_is_said_of_them() {
         assert_eq!(FULLER.1, format!("{}scale = {MORE}\n", FULLER.0));
+        let spread = format!("spread = {:.3}\n", 0.3 / 3.0 / 3f64.sqrt());
+        assert!(LIMITS.1.contains(&spread), "{spread}");
+        for plan in ["thesis/plans/az1.toml", "thesis/plans/az2.toml"] {
+            let text = fixture(plan).unwrap();
+            for design in [Design::Limits, Design::Deviation, Design::Fuller, Design::Between] {
+                assert!(design.changes().iter().all(|(old, _)| text.contains(old)), "{plan}");
+            }
+        }
     }
 }

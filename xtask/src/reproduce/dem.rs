@@ -184,6 +184,14 @@ pub(super) fn agreement(settings: &[Setting], r: usize) -> Agreement {
     }
 }
 
+/// Speeds of settings, rpm, each once and in order.
+pub(super) fn speeds_of(settings: &[Setting]) -> Vec<f64> {
+    let mut each: Vec<f64> = settings.iter().map(|s| s.omega_rpm).collect();
+    each.sort_by(f64::total_cmp);
+    each.dedup();
+    each
+}
+
 /// Ranks, ties sharing their mean.
 fn ranks(x: &[f64]) -> Vec<f64> {
     x.iter()

@@ -9,6 +9,7 @@ mod materials;
 pub(crate) mod own;
 mod own_beads;
 mod ranges;
+pub(crate) mod sizes;
 mod surrogates;
 pub(crate) mod variants;
 
