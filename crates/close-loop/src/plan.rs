@@ -5,7 +5,7 @@ use calib::{FrameCorrelation, FreeParameter, Nuisance, Observations};
 use campaign::{CampaignError, drum_rig};
 use rig_schema::{Case, Layer, MeasuredTable, Rig, Simulator, namespace};
 
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, roughness};
 use crate::emulator::Axis;
 use crate::error::CloseLoopError;
 use crate::runs::{fill_box, rig_at};
@@ -211,7 +211,7 @@ impl Setup {
             let scale = Scale::of(&f.path, f.range.0);
             free.push(FreeParameter { name: f.path.clone(), range: f.range });
             let unit = scale.unit(f.range);
-            axes.push(Axis { path: f.path.clone(), scale, unit, roughness: 1.0 });
+            axes.push(Axis { path: f.path.clone(), scale, unit, roughness: roughness(&f.path) });
         }
         let mut nuisances = Vec::new();
         let mut simulated = Vec::new();

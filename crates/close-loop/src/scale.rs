@@ -11,6 +11,7 @@
 /// let s = Scale::Saturating;
 /// let part = (s.forth(0.27) - s.forth(0.9)) / (s.forth(0.0) - s.forth(0.9));
 /// assert!((part - 0.251).abs() < 1e-3);
+/// assert_eq!(Scale::of("friction.mantle", 0.1), s);
 /// assert!((s.back(s.forth(0.5)) - 0.5).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +33,9 @@ impl Scale {
     /// The coordinate of a path whose lowest value is `low`.
     pub fn of(path: &str, low: f64) -> Self {
         match path.split_once('.').map(|(group, _)| group) {
+            Some("friction") if path.ends_with("mantle") || path.ends_with("end_plate") => {
+                Self::Saturating
+            }
             Some("rolling") if low >= 0.0 => Self::Root,
             Some("friction" | "stiffness") if low > 0.0 => Self::Log,
             _ => Self::Linear,
