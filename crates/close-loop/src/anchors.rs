@@ -23,7 +23,7 @@ pub(crate) struct Whole {
 /// The whole rig less its stand-in at one point.
 #[derive(Debug, Clone)]
 pub(crate) struct Anchor {
-    /// Coded point.
+    /// Point, in units of its axes.
     pub(crate) at: Vec<f64>,
     /// Mean difference by knot.
     pub(crate) mean: Vec<[f64; 4]>,
@@ -42,7 +42,7 @@ pub(crate) struct Off {
     pub(crate) unsure: Vec<[f64; 4]>,
 }
 
-/// The difference at a coded point: the mean over all runs of the whole rig, near ones counting most. The further away the nearest of
+/// The difference at a point (in units of its axes): the mean over all runs of the whole rig, near ones counting most. The further away the nearest of
 /// them is, the less is known.
 pub(crate) fn off(anchors: &[Anchor], z: &[f64]) -> Off {
     let Some(first) = anchors.first() else { return Off::default() };

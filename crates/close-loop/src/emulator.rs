@@ -86,11 +86,11 @@ impl Emulator {
         point: Option<&[f64]>,
     ) -> Result<Self, CalibError> {
         let (coded, mean, excess) = runs(&axes, &origin, samples)?;
-        let point = point.map(|p| code(&axes, &origin, p));
-        let weight: Vec<f64> = match &point {
-            Some(point) => coded.iter().map(|c| nearness(c, point)).collect(),
+        let weight: Vec<f64> = match point {
+            Some(point) => samples.iter().map(|s| nearness(&axes, &s.at, point)).collect(),
             None => vec![1.0; samples.len()],
         };
+        let point = point.map(|p| code(&axes, &origin, p));
         let point = point.unwrap_or_else(|| vec![0.0; axes.len()]);
         let all: f64 = weight.iter().sum();
         let about = |of: &dyn Fn(&Sample) -> f64| {
@@ -193,12 +193,12 @@ impl Emulator {
         let unknown = knots()
             .map(|(k, (_, own))| with(own, 1.0, both(stand_in.shared[k], stand_in.unknown[k])))
             .collect();
-        Anchor { at: z, mean, noise, unknown }
+        Anchor { at: place(&self.axes, at), mean, noise, unknown }
     }
 
     /// What is added at a point.
     pub(crate) fn off(&self, at: &[f64]) -> Off {
-        off(&self.anchors, &code(&self.axes, &self.origin, at))
+        off(&self.anchors, &place(&self.axes, at))
     }
 
     /// Degrees of freedom with which is known how runs scatter: of each run a shift that its speeds share, in angle and in
@@ -324,11 +324,7 @@ impl Emulator {
 
     /// Distance of two points, units.
     pub(crate) fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
-        let each = self.axes.iter().zip(a).zip(b);
-        let by = |((axis, a), b): ((&Axis, &f64), &f64)| {
-            (axis.scale.forth(*a) - axis.scale.forth(*b)) / axis.unit
-        };
-        each.map(|one| by(one).powi(2)).sum::<f64>().sqrt()
+        distance_squared(&place(&self.axes, a), &place(&self.axes, b)).sqrt()
     }
 
     /// Means at any speeds from those at the knots.
@@ -452,16 +448,22 @@ fn runs<'s>(axes: &[Axis], origin: &[f64], samples: &'s [Sample]) -> Result<Code
     Ok((coded, samples.iter().map(|s| &s.mean[..]).collect(), excess))
 }
 
-/// Weight of a run in what is told of a point: a standard deviation is one coded unit.
-fn nearness(a: &[f64], b: &[f64]) -> f64 {
-    (-0.5 * distance_squared(a, b)).exp()
+/// Weight of a run in what is told of a point: a standard deviation is one unit.
+fn nearness(axes: &[Axis], a: &[f64], b: &[f64]) -> f64 {
+    (-0.5 * distance_squared(&place(axes, a), &place(axes, b))).exp()
 }
 
-/// Squared distance of two coded points.
+/// Squared distance of two points.
 pub(crate) fn distance_squared(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
+/// Coordinates in units, however rough the axes are.
+fn place(axes: &[Axis], at: &[f64]) -> Vec<f64> {
+    axes.iter().zip(at).map(|(a, x)| a.scale.forth(*x) / a.unit).collect()
+}
+
+/// Coordinates of the surfaces: units from the origin, longer where responses bend faster.
 fn code(axes: &[Axis], origin: &[f64], at: &[f64]) -> Vec<f64> {
     axes.iter()
         .zip(origin)

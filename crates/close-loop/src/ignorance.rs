@@ -84,6 +84,29 @@ mod tests {
     }
 
     #[test]
+    fn what_bends_fast_is_known_less_far_from_runs_and_is_as_far_away() {
+        let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-4));
+        let run = |k: u32| {
+            let at = 0.3 + 0.02 * f64::from(k);
+            let (mean, covariance) = (vec![[20.0 + 10.0 * at.ln(); 4]; 2], vec![noise; 2]);
+            Sample { at: vec![at], mean, covariance, variance: vec![[1e-3; 4]; 2], excess: 0.0 }
+        };
+        let runs: Vec<Sample> = (0..9).map(run).collect();
+        let model = |roughness: f64| {
+            let path = "friction.pp".to_owned();
+            let axes = vec![Axis { path, scale: Scale::Log, unit: 0.35, roughness }];
+            Emulator::fit(axes, vec![0.4], vec![20.0, 40.0], &runs).unwrap()
+        };
+        let (even, rough) = (model(0.5), model(1.5));
+        let unknown = |m: &Emulator| m.moments(&[0.8]).unknown[0][0];
+        assert!(unknown(&even) < 0.5 * unknown(&rough), "{} {}", unknown(&even), unknown(&rough));
+        // A factor of two is two units whatever happens between.
+        for m in [even, rough] {
+            assert!((m.apart(&[0.4], &[0.8]) - 2f64.ln() / 0.35).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn the_factor_gives_the_correlation_back() {
         let speeds = [15.0, 25.0, 35.0, 45.0, 55.0, 70.0, 70.5];
         let lower = alongside(&speeds).unwrap();
