@@ -42,8 +42,8 @@ pub(crate) struct Off {
     pub(crate) unsure: Vec<[f64; 4]>,
 }
 
-/// The difference at a point (in units of its axes): the mean over all runs of the whole rig, near ones counting most. The further away the nearest of
-/// them is, the less is known.
+/// The difference at a point (in units of its axes): the mean over all runs of the whole rig, near ones counting most. The
+/// further away the nearest of them is, the less is known.
 pub(crate) fn off(anchors: &[Anchor], z: &[f64]) -> Off {
     let Some(first) = anchors.first() else { return Off::default() };
     let apart = |a: &Anchor| distance_squared(&a.at, z);

@@ -40,8 +40,7 @@ pub struct Effect {
     pub range: (f64, f64),
     /// Coordinate in which it acts about linearly.
     pub scale: Scale,
-    /// How fast responses bend over the stronger of the first strengths, as a factor on how they do over a unit of a
-    /// friction (a factor of 1.42).
+    /// How fast responses bend over the stronger of the first strengths ([`crate::Axis::roughness`]).
     pub roughness: f64,
     /// Parameters that take the same value.
     pub along: Vec<String>,

@@ -20,8 +20,8 @@ pub struct Axis {
     pub scale: Scale,
     /// Change of the coordinate that counts as one.
     pub unit: f64,
-    /// How fast responses bend over a unit, as a factor on how they do over one of a friction: 1 for those, more
-    /// where beds turn from sticking to sliding, less for what acts evenly.
+    /// How fast responses bend over a unit: 1 is what surfaces expect, less is for what acts evenly. It stretches the
+    /// coordinate of the surface, not the distances between points.
     pub roughness: f64,
 }
 
@@ -90,8 +90,7 @@ impl Emulator {
             Some(point) => samples.iter().map(|s| nearness(&axes, &s.at, point)).collect(),
             None => vec![1.0; samples.len()],
         };
-        let point = point.map(|p| code(&axes, &origin, p));
-        let point = point.unwrap_or_else(|| vec![0.0; axes.len()]);
+        let point = point.map_or_else(|| vec![0.0; axes.len()], |p| code(&axes, &origin, p));
         let all: f64 = weight.iter().sum();
         let about = |of: &dyn Fn(&Sample) -> f64| {
             samples.iter().zip(&weight).map(|(s, w)| w * of(s)).sum::<f64>() / all

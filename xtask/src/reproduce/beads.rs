@@ -6,14 +6,15 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use anyhow::Context;
 use calib_report::Picture as _;
 use calib_report::pictures::{
     AxisSpacing, ChartAxis, ChartPoint, ChartSeries, LineChart, SeriesStyle,
 };
 
 use super::campaigns::{Design, MORE, keep_fuller, simulate};
-use super::dem::{BySetting, Setting, TARGET, agreement, by_setting, kept, speeds_of};
+use super::dem::{
+    BySetting, Setting, TARGET, agreement, bias_at, by_edem_laws, by_setting, kept, speeds_of,
+};
 
 /// One setting: ours with the printed number beside EDEM's, and what more beads change.
 struct Row {
@@ -104,7 +105,17 @@ pub(super) fn called_for(
             true
         })
     });
-    [BY_CENTRE, BY_CHANGES, BY_ANGLES].map(|told| beads(&rows, told))
+    in_three_ways(&rows)
+}
+
+/// Factors by the place of the centre, by its movements, and by the angles.
+fn in_three_ways(rows: &[Row]) -> [(f64, f64); 3] {
+    [BY_CENTRE, BY_CHANGES, BY_ANGLES].map(|told| beads(rows, told))
+}
+
+/// Cells of a table that show them.
+pub(super) fn cells(ways: [(f64, f64); 3]) -> String {
+    ways.map(|(factor, error)| format!("{factor:.3} ({error:.3})")).join(" | ")
 }
 
 /// Settings that were simulated with both numbers.
@@ -133,30 +144,17 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
     );
     for config in configs {
         let more = by_setting(&simulate(config, Design::Fuller, jobs)?);
-        for wall in ["Plexi", "Steel"] {
-            let name = format!("{config}_{wall}");
-            let own = all.iter().find(|c| c.table == name && c.edem_laws);
-            let own = own.with_context(|| {
-                format!("{name} is not in docs/own-dem.json by EDEM's laws: --dem --edem-laws")
-            })?;
+        for own in by_edem_laws(&all, config)? {
+            let name = &own.table;
             let rows = rows(&own.settings, &more);
-            let show = |t: Told| {
-                let (factor, error) = beads(&rows, t);
-                format!("{factor:.3} ({error:.3})")
-            };
-            let _ = writeln!(
-                told,
-                "| {name} | {} | {} | {} |",
-                show(BY_CENTRE),
-                show(BY_CHANGES),
-                show(BY_ANGLES)
-            );
-            let (factor, _) = beads(&rows, BY_CHANGES);
+            let ways = in_three_ways(&rows);
+            let _ = writeln!(told, "| {name} | {} |", cells(ways));
+            let [_, (factor, _), _] = ways;
             let so_many = with_beads(&rows, factor);
             let file = format!("img/own-dem-beads-{}.svg", name.to_lowercase());
             let more = format!("{factor:.2} times as many");
             let sets = [(&own.settings[..], "printed number of beads"), (&so_many[..], &more[..])];
-            let picture = picture(&name, &sets);
+            let picture = picture(name, &sets);
             crate::write_whole(&docs.join(&file), &picture)?;
             let _ = write!(pictures, "![{name}]({file})\n\n");
             for (r, response) in rig_schema::Response::ALL.iter().enumerate() {
@@ -173,18 +171,13 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
                 );
             }
             for rpm in speeds_of(&so_many) {
-                let bias = |all: &[Setting], r: usize| {
-                    let own: Vec<Setting> =
-                        all.iter().filter(|s| s.omega_rpm == rpm).cloned().collect();
-                    agreement(&own, r).bias
-                };
                 let _ = writeln!(
                     speeds,
                     "| {name} | {rpm} | {:+.2} | {:+.2} | {:+.2} | {:+.2} |",
-                    bias(&own.settings, 0),
-                    bias(&so_many, 0),
-                    bias(&own.settings, 1),
-                    bias(&so_many, 1)
+                    bias_at(&own.settings, rpm, 0),
+                    bias_at(&so_many, rpm, 0),
+                    bias_at(&own.settings, rpm, 1),
+                    bias_at(&so_many, rpm, 1)
                 );
             }
         }
@@ -241,7 +234,8 @@ const HEAD: &str = "# How many beads EDEM's pictures show\n\n\
 const OUTCOME: &str = "## What so many beads do\n\n\
     With the number that the centre's movements tell, at all settings of Table 8: no angle and no place of a circle was used to find it. RMSE of\n\
     the centre about its mean difference, of the angles not.\n\n";
-const SPEEDS: &str = "## By speed\n\nMean of ours less EDEM's over all frictions, degrees.\n\n";
+pub(super) const SPEEDS: &str =
+    "## By speed\n\nMean of ours less EDEM's over all frictions, degrees.\n\n";
 
 #[cfg(test)]
 mod tests {

@@ -184,6 +184,27 @@ pub(super) fn agreement(settings: &[Setting], r: usize) -> Agreement {
     }
 }
 
+/// Both tables of a configuration as they were compared by EDEM's laws.
+pub(super) fn by_edem_laws<'a>(
+    all: &'a [Comparison],
+    config: &str,
+) -> anyhow::Result<[&'a Comparison; 2]> {
+    let find = |wall: &str| {
+        let name = format!("{config}_{wall}");
+        let own = all.iter().find(|c| c.table == name && c.edem_laws);
+        own.with_context(|| {
+            format!("{name} is not in docs/own-dem.json by EDEM's laws: --dem --edem-laws")
+        })
+    };
+    Ok([find("Plexi")?, find("Steel")?])
+}
+
+/// Mean of ours less EDEM's at one speed.
+pub(super) fn bias_at(settings: &[Setting], omega_rpm: f64, r: usize) -> f64 {
+    let own: Vec<Setting> = settings.iter().filter(|s| s.omega_rpm == omega_rpm).cloned().collect();
+    agreement(&own, r).bias
+}
+
 /// Speeds of settings, rpm, each once and in order.
 pub(super) fn speeds_of(settings: &[Setting]) -> Vec<f64> {
     let mut each: Vec<f64> = settings.iter().map(|s| s.omega_rpm).collect();

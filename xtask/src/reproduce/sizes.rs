@@ -3,12 +3,13 @@
 
 use std::fmt::Write as _;
 
-use anyhow::Context;
 use rig_schema::Response;
 
-use super::beads::{called_for, picture};
+use super::beads::{SPEEDS, called_for, cells, picture};
 use super::campaigns::{Design, simulate};
-use super::dem::{BySetting, Setting, TARGET, agreement, by_setting, kept, speeds_of};
+use super::dem::{
+    BySetting, Setting, TARGET, agreement, bias_at, by_edem_laws, by_setting, kept, speeds_of,
+};
 
 /// Readings of what is printed.
 const READINGS: [(Design, &str); 2] =
@@ -56,25 +57,20 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
         }
         // What is kept; where nothing is, no factor is told.
         let more = by_setting(&simulate(config, Design::Fuller, 0)?);
-        for wall in ["Plexi", "Steel"] {
-            let name = format!("{config}_{wall}");
-            let own = all.iter().find(|c| c.table == name && c.edem_laws);
-            let own = own.with_context(|| {
-                format!("{name} is not in docs/own-dem.json by EDEM's laws: --dem --edem-laws")
-            })?;
+        for own in by_edem_laws(&all, config)? {
+            let name = &own.table;
             let sets = sets(&own.settings, &readings);
             let count = sets[0].settings.len();
             anyhow::ensure!(count > 2, "{name}: {count} settings in common");
             for set in &sets {
                 let factors = called_for(&own.settings, &more, &set.settings);
                 if factors.iter().all(|(f, _)| f.is_finite()) {
-                    let show = factors.map(|(factor, error)| format!("{factor:.3} ({error:.3})"));
-                    let _ = writeln!(told, "| {name} | {} | {} |", set.reading, show.join(" | "));
+                    let _ = writeln!(told, "| {name} | {} | {} |", set.reading, cells(factors));
                 }
             }
             let file = format!("img/own-dem-sizes-{}.svg", name.to_lowercase());
             let shown: Vec<_> = sets.iter().map(|s| (&s.settings[..], s.reading)).collect();
-            crate::write_whole(&docs.join(&file), &picture(&name, &shown))?;
+            crate::write_whole(&docs.join(&file), &picture(name, &shown))?;
             let _ = write!(pictures, "![{name}]({file})\n\n");
             for (r, response) in Response::ALL.iter().enumerate() {
                 let bias = columns(&sets, |s| format!("{:+.2}", agreement(s, r).bias));
@@ -84,13 +80,7 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
                     writeln!(outcome, "| {name} | {response} | {bias} | {rmse} | {target:.1} |");
             }
             for rpm in speeds_of(&sets[0].settings) {
-                let bias = |r: usize| {
-                    columns(&sets, |all| {
-                        let at = |s: &&Setting| s.omega_rpm == rpm;
-                        let own: Vec<Setting> = all.iter().filter(at).cloned().collect();
-                        format!("{:+.2}", agreement(&own, r).bias)
-                    })
-                };
+                let bias = |r| columns(&sets, |s| format!("{:+.2}", bias_at(s, rpm, r)));
                 let _ = writeln!(speeds, "| {name} | {rpm} | {} | {} |", bias(0), bias(1));
             }
         }
@@ -113,7 +103,6 @@ const HEAD: &str = "# Beads of (3.0 \u{b1} 0.3) mm\n\n\
     ([beside EDEM's tables](own-dem.md)), in both readings: as limits between which every radius is as likely (standard deviation 5.8 %) and as a\n\
     standard deviation (10 %, a step of 60 us for 70, since the smallest beads ring faster); diameters are log-normal. Nothing else is changed, and\n\
     no figure of EDEM's tables enters. RMSE of the centre about its mean difference, of the angles not.\n\n";
-const SPEEDS: &str = "## By speed\n\nMean of ours less EDEM's over all frictions, degrees.\n\n";
 const TOLD: &str = "## How many beads EDEM's tables call for\n\n\
     The factor on the printed number as [more beads](own-dem-beads.md) tell it, with what more beads of one size do.\n\n";
 const PICTURES: &str = "## Setting by setting\n\n";
