@@ -163,15 +163,14 @@ fn near_pairs<M: ContactLaw>(
         }
     };
     // The vector kernel passes over blocks in which nothing touches or touched.
-    let blocks = if vector.is_some() { active.len() / LANES } else { 0 };
-    for (block, active) in active.chunks_mut(LANES).enumerate() {
+    let mut touching = [u8::MAX; CHUNK / LANES];
+    if let Some((level, kernel)) = vector {
+        let (first, second) = (first.as_chunks().0, second.as_chunks().0);
+        let whole = (active.len() / LANES).min(first.len());
+        kernel.touch(level, first, second, &mut touching[..whole]);
+    }
+    for (block, (active, touch)) in active.chunks_mut(LANES).zip(touching).enumerate() {
         let k = block * LANES;
-        let mut touch = u8::MAX;
-        if let (Some((level, kernel)), true) = (vector, block < blocks)
-            && let (Some(f), Some(s)) = (first[k..].first_chunk(), second[k..].first_chunk())
-        {
-            touch = kernel.touch(level, f, s);
-        }
         if touch == 0 && active.first_chunk::<LANES>() == Some(&[0; LANES]) {
             continue;
         }

@@ -64,6 +64,9 @@ pub(crate) struct Peers {
     /// With --scaling: numbers of beads.
     #[arg(long, value_delimiter = ',', default_values_t = [1000, 10_000, 100_000, 300_000])]
     sizes: Vec<usize>,
+    /// With --scaling: the drum grows along its axis only, so that a bead has as many contacts in all of them.
+    #[arg(long, requires = "scaling")]
+    along: bool,
     /// Instead: Tumble's memory for a million beads.
     #[arg(long, conflicts_with = "scaling")]
     memory: bool,
@@ -116,7 +119,9 @@ fn folder() -> anyhow::Result<PathBuf> {
 
 /// The settled scene: from `target/peers` when it is there, else made.
 fn settled(scene: &Scene, steps: u64) -> anyhow::Result<(PathBuf, Vec<Bead>)> {
-    let path = folder()?.join(format!("scene_{}_{SEED}_{steps}.data", scene.beads));
+    // A drum that grew along its axis has the radius of AZ1's.
+    let long = if *scene == Scene::along(scene.beads) { "long_" } else { "" };
+    let path = folder()?.join(format!("scene_{long}{}_{SEED}_{steps}.data", scene.beads));
     if path.is_file() {
         let beads = exchange::read_data(&path)?;
         if beads.len() == scene.beads {

@@ -1,4 +1,4 @@
-//! Tumble's time against the number of beads, in similar drums.
+//! Tumble's time against the number of beads, in similar drums or in longer ones.
 
 use serde::Serialize;
 use serde_json::json;
@@ -29,9 +29,12 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
     let tumble = Code::Tumble.find().map_err(anyhow::Error::msg)?;
     let mut scenes = Vec::new();
     for &particles in &options.sizes {
-        let scene = Scene::similar(particles);
         // Froude's time grows with the square root of the length.
-        let longer = (particles as f64 / AZ1_BEADS as f64).powf(1.0 / 6.0);
+        let (scene, longer) = if options.along {
+            (Scene::along(particles), 1.0)
+        } else {
+            (Scene::similar(particles), (particles as f64 / AZ1_BEADS as f64).powf(1.0 / 6.0))
+        };
         let (data, _) = settled(&scene, (options.settle as f64 * longer) as u64)?;
         let steps = (WORK / particles as f64).clamp(100.0, 20_000.0) as u64;
         scenes.push((scene, data, steps));
@@ -71,7 +74,7 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
     if options.json {
         let value = json!({
             "machine": machine(), "load_before_and_after": [load_before, load()],
-            "threads": 1, "fast_roots": options.fast, "skin_mm": 1e3 * skin, "points": points, "exponent": exponent,
+            "threads": 1, "along": options.along, "fast_roots": options.fast, "skin_mm": 1e3 * skin, "points": points, "exponent": exponent,
         });
         println!("{}", serde_json::to_string_pretty(&value)?);
         return Ok(());

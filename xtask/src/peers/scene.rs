@@ -61,6 +61,12 @@ impl Scene {
         Self { beads, radius: 0.125 * scale, length: 0.150 * scale, rate: az1_rate / scale.sqrt() }
     }
 
+    /// The drum of AZ1 made longer or shorter: the same bed, wherever one cuts it across, for any number of beads.
+    pub(crate) fn along(beads: usize) -> Self {
+        let length = 0.150 * beads as f64 / AZ1_BEADS as f64;
+        Self { beads, length, ..Self::similar(AZ1_BEADS) }
+    }
+
     /// Beads on a lattice with a little noise, from the bottom of the drum upwards.
     pub(crate) fn lattice(&self, seed: u64) -> anyhow::Result<Vec<Bead>> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);

@@ -3,6 +3,8 @@
 //! Of the pairs that touch when a list is made, a flowing bed keeps a half to two thirds in contact at any
 //! moment. The others are told by their gap alone.
 
+use std::mem::MaybeUninit;
+
 use super::lanes::Lanes;
 use super::pairs::{PairKernel, Run};
 use crate::contact_stage::CHUNK;
@@ -22,14 +24,31 @@ const BYTES: [[u8; 8]; 256] = {
     table
 };
 
+/// Most pairs of a run that act, and a block to fill the last one up.
+const MOST: usize = CHUNK + 8;
+
+/// Room for the pairs of a run that act: nothing is written that is not read.
+pub(super) struct Room {
+    pair: [MaybeUninit<u32>; MOST],
+    first: [MaybeUninit<u32>; MOST],
+    second: [MaybeUninit<u32>; MOST],
+}
+
+impl Room {
+    pub(super) const EMPTY: Self = {
+        let none = [MaybeUninit::uninit(); MOST];
+        Self { pair: none, first: none, second: none }
+    };
+}
+
 /// Pairs of a run that touch, or did and have something to forget: where their numbers begin, which is four times
 /// their place. Filled up to a whole block with one pair that does neither.
-pub(super) struct Acting {
+pub(super) struct Acting<'r> {
     /// In the run.
-    pub(super) pair: [u32; CHUNK + 8],
+    pub(super) pair: &'r [u32],
     /// Of the spheres.
-    pub(super) first: [u32; CHUNK + 8],
-    pub(super) second: [u32; CHUNK + 8],
+    pub(super) first: &'r [u32],
+    pub(super) second: &'r [u32],
     pub(super) count: usize,
 }
 
@@ -40,14 +59,16 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in the run is that of a sphere.
     #[inline(always)]
-    pub(super) unsafe fn acting<V: Lanes>(&self, run: &mut Run<'_>) -> Acting {
+    pub(super) unsafe fn acting<'r, V: Lanes>(
+        &self,
+        run: &mut Run<'_>,
+        room: &'r mut Room,
+    ) -> Acting<'r> {
         let (first, _) = run.first.as_chunks::<8>();
         let (second, _) = run.second.as_chunks::<8>();
         let (active, _) = run.active.as_chunks_mut::<8>();
-        debug_assert!(8 * active.len() <= CHUNK);
-        let none = [0; CHUNK + 8];
-        let mut acting = Acting { pair: none, first: none, second: none, count: 0 };
-        let mut idle = 0;
+        assert!(8 * active.len() <= CHUNK, "a run is a chunk at most");
+        let (mut count, mut idle) = (0, 0);
         for (k, ((first, second), active)) in first.iter().zip(second).zip(active).enumerate() {
             let valid = lowest_bits(run.pairs.saturating_sub(8 * k));
             // SAFETY: by the caller.
@@ -60,22 +81,36 @@ impl PairKernel<'_> {
             let begin = 8 * k as u32;
             let own = std::array::from_fn(|lane| begin + lane as u32);
             for (from, to) in
-                [(&own, &mut acting.pair), (first, &mut acting.first), (second, &mut acting.second)]
+                [(&own, &mut room.pair), (first, &mut room.first), (second, &mut room.second)]
             {
-                if let Some(to) = to[acting.count..].first_chunk_mut() {
+                if let Some(to) = to[count..].first_chunk_mut() {
                     V::pack_fours(from, order, to);
                 }
             }
-            acting.count += acts.count_ones() as usize;
+            count += acts.count_ones() as usize;
             if acts != u8::MAX {
                 idle = 8 * k + acts.trailing_ones() as usize;
             }
         }
-        // As many lanes are idle as a last block lacks, or more.
-        let last = acting.count..(acting.count + 8).min(CHUNK + 8);
-        acting.pair[last.clone()].fill(4 * idle as u32);
-        acting.first[last.clone()].fill(4 * run.first.get(idle).unwrap_or(&0));
-        acting.second[last].fill(4 * run.second.get(idle).unwrap_or(&0));
-        acting
+        // As many lanes are idle as a last block lacks.
+        let whole = count.next_multiple_of(8);
+        let at = |places: &[u32]| places.get(idle).copied().unwrap_or_default();
+        for (to, place) in [
+            (&mut room.pair, idle as u32),
+            (&mut room.first, at(run.first)),
+            (&mut room.second, at(run.second)),
+        ] {
+            to[count..whole].fill(MaybeUninit::new(4 * place));
+        }
+        // SAFETY: every number before `count` was packed, the others before `whole` were filled in.
+        let written = |of: &'r [MaybeUninit<u32>; MOST]| unsafe {
+            std::slice::from_raw_parts(of[..whole].as_ptr().cast::<u32>(), whole)
+        };
+        Acting {
+            pair: written(&room.pair),
+            first: written(&room.first),
+            second: written(&room.second),
+            count,
+        }
     }
 }

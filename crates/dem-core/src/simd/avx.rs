@@ -2,6 +2,7 @@
 #![cfg(target_arch = "x86_64")]
 
 use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::lanes::{Lanes, Numbers, Quad};
@@ -62,7 +63,7 @@ unsafe fn put_quad(to: *mut f64, at: u32, four: __m256d) {
 /// # Safety
 /// AVX2 is there.
 #[inline(always)]
-unsafe fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]) {
+unsafe fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
     // SAFETY: by the caller; the arrays are as long as what is read and written.
     unsafe {
         let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
@@ -202,7 +203,7 @@ impl Lanes for Wide {
         }
     }
     #[inline(always)]
-    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]) {
+    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
         unsafe { pack_fours(places, order, to) }
     }
     #[inline(always)]
@@ -363,7 +364,7 @@ impl Lanes for Pair {
         }
     }
     #[inline(always)]
-    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]) {
+    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
         unsafe { pack_fours(places, order, to) }
     }
     #[inline(always)]

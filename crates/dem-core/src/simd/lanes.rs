@@ -1,5 +1,6 @@
 //! Eight numbers side by side, and vectors of them.
 
+use std::mem::MaybeUninit;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use glam::DVec3;
@@ -112,7 +113,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// All of them can be read.
     unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4];
     /// Where the numbers of records begin that `order` picks among eight: at four times their places.
-    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [u32; 8]);
+    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
     /// The records at eight places, one vector a field.
     ///
     /// # Safety

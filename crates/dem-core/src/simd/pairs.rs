@@ -1,7 +1,7 @@
 //! The run of touching pairs: those that act are packed into blocks of eight and computed by the laws of
 //! `hertz_mindlin.rs`.
 
-use super::acting::Acting;
+use super::acting::{Acting, Room};
 use super::blocks::{Blocks, MOST, Two};
 use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
 use super::lanes::{Lanes, V3, fours};
@@ -78,7 +78,8 @@ impl PairKernel<'_> {
             ) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
-                    let acting = k.acting::<super::avx::Wide>(run);
+                    let mut room = Room::EMPTY;
+                    let acting = k.acting::<super::avx::Wide>(run, &mut room);
                     let done = k.blocks::<Two<super::avx::Wide>, FAST, MORE>(run, &acting, 0, into);
                     k.blocks::<super::avx::Wide, FAST, MORE>(run, &acting, done, into);
                 }
@@ -91,7 +92,8 @@ impl PairKernel<'_> {
             ) {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
-                    let acting = k.acting::<super::avx::Pair>(run);
+                    let mut room = Room::EMPTY;
+                    let acting = k.acting::<super::avx::Pair>(run, &mut room);
                     k.blocks::<super::avx::Pair, false, MORE>(run, &acting, 0, into);
                 }
             }
@@ -110,29 +112,45 @@ impl PairKernel<'_> {
         let _ = level;
     }
 
-    /// Bits of the near pairs that touch now, among eight.
-    pub(crate) fn touch(&self, level: Level, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+    /// Bits of the near pairs that touch now, block by block; all of them where nothing tells.
+    pub(crate) fn touch(
+        &self,
+        level: Level,
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+        bits: &mut [u8],
+    ) {
         #[cfg(target_arch = "x86_64")]
         {
             #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
-            unsafe fn avx512(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+            unsafe fn avx512(k: &PairKernel<'_>, pairs: [&[[u32; 8]]; 2], bits: &mut [u8]) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.near::<super::avx::Wide>(first, second) }
+                unsafe { k.near_each::<super::avx::Wide>(pairs, bits) }
             }
             #[target_feature(enable = "avx2,popcnt")]
-            unsafe fn avx2(k: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+            unsafe fn avx2(k: &PairKernel<'_>, pairs: [&[[u32; 8]]; 2], bits: &mut [u8]) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.near::<super::avx::Pair>(first, second) }
+                unsafe { k.near_each::<super::avx::Pair>(pairs, bits) }
             }
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
             match level {
-                Level::Avx512 => return unsafe { avx512(self, first, second) },
-                Level::Avx2 => return unsafe { avx2(self, first, second) },
+                Level::Avx512 => return unsafe { avx512(self, [first, second], bits) },
+                Level::Avx2 => return unsafe { avx2(self, [first, second], bits) },
                 Level::Portable => {}
             }
         }
         let _ = (level, first, second);
-        u8::MAX
+        bits.fill(u8::MAX);
+    }
+
+    /// # Safety
+    /// Every place is that of a sphere.
+    #[inline(always)]
+    unsafe fn near_each<V: Lanes>(&self, [first, second]: [&[[u32; 8]]; 2], bits: &mut [u8]) {
+        for ((first, second), bits) in first.iter().zip(second).zip(bits) {
+            // SAFETY: by the caller.
+            *bits = unsafe { self.near::<V>(first, second) };
+        }
     }
 
     /// # Safety
@@ -160,7 +178,7 @@ impl PairKernel<'_> {
     unsafe fn blocks<V: Blocks, const FAST: bool, const MORE: bool>(
         &self,
         run: &mut Run<'_>,
-        acting: &Acting,
+        acting: &Acting<'_>,
         mut done: usize,
         into: &mut ChunkYield,
     ) -> usize {
