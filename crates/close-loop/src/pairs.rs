@@ -120,10 +120,14 @@ impl State<'_> {
     }
 
     /// Whether a model is made of simulations and can take more.
-    pub(crate) fn can_learn(&self, (names, _): &Learned) -> bool {
+    pub(crate) fn can_learn(&self, (names, samples): &Learned) -> bool {
         match &names[..] {
             [name] => self.effects.contains_key(name),
-            [a, b] => self.pairs.contains_key(&[a.clone(), b.clone()]),
+            // Their runs, the fresh ones that refute them too, are what a model of both is first made of.
+            [a, b] => {
+                let both = self.both(&[a.clone(), b.clone()]);
+                !samples.is_empty() && both.is_some_and(|e| e.into_iter().all(is_simulated))
+            }
             _ => false,
         }
     }
@@ -144,6 +148,7 @@ impl State<'_> {
     /// Take fresh runs into the models of their effects: as runs, or as what tells by how much a stand-in is off.
     pub(crate) fn learn(&mut self, learned: Vec<Learned>) {
         for (names, samples) in learned {
+            let learns = self.can_learn(&(names.clone(), samples.clone()));
             if self.setup.cast.whole.is_some() {
                 let whole = |sample| Whole { names: names.clone(), sample };
                 self.wholes.extend(samples.into_iter().map(whole));
@@ -151,7 +156,7 @@ impl State<'_> {
             }
             let known = match &names[..] {
                 [name] => self.effects.get_mut(name),
-                [a, b] => self.pairs.get_mut(&[a.clone(), b.clone()]),
+                [a, b] if learns => Some(self.pairs.entry([a.clone(), b.clone()]).or_default()),
                 _ => None,
             };
             if let Some(known) = known {

@@ -10,7 +10,7 @@ use super::evidence::{laplace, unknown};
 use super::gate::{Case, Screen};
 use super::held_out::{Compared, predict};
 use super::model::Model;
-use super::solver::{Settled, optima};
+use super::solver::{Settled, held, optima};
 use super::{Layer, Verdict};
 use crate::{CalibError, chi_square_p};
 
@@ -344,9 +344,9 @@ pub(super) fn penalty(case: &Case<'_, '_>, of: &[usize], strengths: &[f64]) -> f
 ///
 /// Two strengths can imitate much that is not in the catalogue, so that a pair is held to more
 /// than a single effect. It is eligible if it fits at ten times the level; if each of its effects
-/// is needed (deviance beyond the class's ratio of either alone) and neither they nor a friction sit at an end of
-/// their range; if speeds left out agree better than with the best single effect; and if it is
-/// more probable than "unknown" at the priors given.
+/// is needed (deviance beyond the class's ratio of either alone, by the effect's own model and by the pair's, whose
+/// runs are others) and neither they nor a friction sit at an end of their range; if speeds left out agree better than
+/// with the best single effect; and if it is more probable than "unknown" at the priors given.
 fn fit_pairs<'s>(
     case: &Case<'_, 's>,
     base: &Settled,
@@ -367,7 +367,8 @@ fn fit_pairs<'s>(
             judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.deviance() > within));
         let probable = laplace(&judged.fit) + prior > unknown;
         let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
-        judged.explains = fits && needed && judged.inside() && probable;
+        judged.explains =
+            fits && needed && judged.inside() && probable && lacks_neither(case, &judged, within)?;
         if judged.explains {
             judged.judge_held_out(case, base, folds)?;
             judged.explains &= judged.gain.is_none_or(|g| g > best_gain);
@@ -376,6 +377,27 @@ fn fit_pairs<'s>(
         pairs.push(judged);
     }
     Ok(pairs)
+}
+
+/// Whether the pair's own model does worse by more than `within` with either strength absent. What a surface learnt
+/// from runs of both may fit the data with one of them as good as off, where the surface of the other alone did not.
+fn lacks_neither(
+    case: &Case<'_, '_>,
+    judged: &Judged<'_>,
+    within: f64,
+) -> Result<bool, CalibError> {
+    let model = &judged.model;
+    let absent = model.unit(&model.absent(&judged.fit.theta[..model.frictions()]));
+    for axis in model.frictions()..model.len() {
+        let mut unit = judged.fit.point.unit.clone();
+        unit[axis] = absent[axis];
+        let without = held(model, &case.data, &unit, axis)?;
+        let penalty = penalty(case, &judged.of, &without.theta[model.frictions()..]);
+        if without.deviance + penalty - judged.deviance() <= within {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// Best fit of every pair, best deviance first, not judged yet.

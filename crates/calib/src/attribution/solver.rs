@@ -241,6 +241,34 @@ pub(super) fn renewed(
     Ok((weight, solved))
 }
 
+/// Where a search with one parameter held ends, at the covariance of its own result.
+#[derive(Debug, Clone)]
+pub(super) struct Held {
+    pub(super) theta: Vec<f64>,
+    pub(super) deviance: f64,
+}
+
+/// Fit from a point (unit ranges) with one parameter held there.
+pub(super) fn held(
+    model: &Model<'_>,
+    data: &Data,
+    start: &[f64],
+    axis: usize,
+) -> Result<Held, CalibError> {
+    let mut unit = start.to_vec();
+    let mut deviance = f64::INFINITY;
+    for round in 0..SETTLINGS {
+        let (weight, solved) = renewed(model, data, &unit, Some(axis))?;
+        let moved = apart(&solved.unit, &unit);
+        deviance = solved.chi2 + weight.log_det;
+        unit = solved.unit;
+        if moved < 1e-5 && round > 0 {
+            break;
+        }
+    }
+    Ok(Held { theta: model.theta(&unit), deviance })
+}
+
 /// Largest difference of two points in any coordinate.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

@@ -4,6 +4,7 @@ mod cases;
 mod faults;
 mod linear;
 mod optima;
+mod pairs;
 mod rates;
 mod thesis;
 mod world;

@@ -1,0 +1,69 @@
+//! A pair is named only if its own surface needs both effects.
+
+use calib::attribution::{PairModel, Verdict};
+use calib::{CalibError, Predicted, Simulator};
+use rig_schema::Response;
+
+use super::world::{ALL, Drum, EFFECTS, attribution, measure, simulators, strengths};
+
+/// A surface of cohesion and exposure together that has learnt something else as well, whatever their strengths.
+struct Learnt;
+
+/// What that is: a wave over speed that no effect of the catalogue makes, deg.
+fn wave(omega: f64) -> f64 {
+    2.0 * (omega / 3.0).sin()
+}
+
+impl Simulator for Learnt {
+    fn parameters(&self) -> Vec<String> {
+        ["friction.pp", EFFECTS[2].0, EFFECTS[5].0].map(str::to_owned).to_vec()
+    }
+    fn speed_range_rpm(&self) -> (f64, f64) {
+        Drum(None).speed_range_rpm()
+    }
+    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
+        let mut predicted = Drum(Some(2)).predict(&theta[..2], speeds)?;
+        predicted.mean = self.expected(theta, speeds)?;
+        Ok(predicted)
+    }
+    fn expected(&self, theta: &[f64], speeds: &[f64]) -> Result<Vec<f64>, CalibError> {
+        let sticky = Drum(Some(2)).expected(&theta[..2], speeds)?;
+        let exposed = Drum(Some(5)).expected(&[theta[0], theta[2]], speeds)?;
+        let neither = Drum(None).expected(&theta[..1], speeds)?;
+        let mut mean: Vec<f64> =
+            sticky.iter().zip(exposed).zip(neither).map(|((a, b), c)| a + b - c).collect();
+        for (four, omega) in mean.chunks_exact_mut(4).zip(speeds) {
+            four[0] += wave(*omega);
+            four[1] -= wave(*omega);
+        }
+        Ok(mean)
+    }
+}
+
+#[test]
+fn a_pair_whose_own_surface_fits_with_one_effect_off_is_no_pair() {
+    let (base, effects) = (Drum(None), simulators());
+    let names_of_both = [EFFECTS[2].0.to_owned(), EFFECTS[5].0.to_owned()];
+    let mut named = [0, 0];
+    for seed in 0..10 {
+        // With cohesion that is as good as none, and with one that is needed.
+        for (k, cohesion) in [0.03, 0.6].into_iter().enumerate() {
+            let mut data = measure(31_000 + seed, 0.4, &strengths(&[(2, cohesion), (5, 0.7)]), 1.0);
+            for item in &mut data.items {
+                match item.response {
+                    Response::AorLin => item.mean += wave(item.omega_rpm),
+                    Response::AorMid => item.mean -= wave(item.omega_rpm),
+                    _ => {}
+                }
+            }
+            let mut question = attribution(data, &base, &effects, &ALL);
+            question.pair_models =
+                vec![PairModel { names: names_of_both.clone(), simulator: &Learnt }];
+            let verdict = question.verdict().expect("is well posed");
+            let both = verdict == Verdict::Pairs(vec![names_of_both.clone()]);
+            named[k] += usize::from(both);
+        }
+    }
+    println!("named as a pair: {} with one as good as off, {} with both of 10", named[0], named[1]);
+    assert!(named[0] == 0 && named[1] >= 6, "{named:?}");
+}
