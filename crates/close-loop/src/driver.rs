@@ -116,6 +116,28 @@ pub(crate) struct State<'a> {
     pub(crate) before: Option<Fresh>,
 }
 
+impl<'a> State<'a> {
+    /// Nothing known yet.
+    pub(crate) fn new(setup: Setup, effort: Effort, most: usize, runs: Runs<'a>) -> Self {
+        Self {
+            setup,
+            effort,
+            most,
+            refuted: 0,
+            runs,
+            base: Vec::new(),
+            effects: ByEffect::new(),
+            pairs: BTreeMap::new(),
+            lost: BTreeMap::new(),
+            curves: BTreeMap::new(),
+            theta: Vec::new(),
+            wholes: Vec::new(),
+            modes: Vec::new(),
+            before: None,
+        }
+    }
+}
+
 impl CloseLoop<'_> {
     /// Runs at the middle of the free ranges, to see what they cost.
     ///
@@ -243,22 +265,7 @@ impl CloseLoop<'_> {
         let effort = setup.effort(self.settings.runs, effects)?;
         let most = self.settings.runs.unwrap_or_else(|| effort.total(effects));
         let runs = Runs::new(self.lab, setup.cast, self.settings.seed);
-        let mut state = State {
-            setup,
-            effort,
-            most,
-            refuted: 0,
-            runs,
-            base: Vec::new(),
-            effects: ByEffect::new(),
-            pairs: BTreeMap::new(),
-            lost: BTreeMap::new(),
-            curves: BTreeMap::new(),
-            theta: Vec::new(),
-            wholes: Vec::new(),
-            modes: Vec::new(),
-            before: None,
-        };
+        let mut state = State::new(setup, effort, most, runs);
         state.calibrate(watch)?;
         state.probe(watch)?;
         let quick = Settings {

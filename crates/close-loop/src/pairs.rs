@@ -165,3 +165,69 @@ impl State<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use campaign::{Laboratory, Sampling};
+    use rig_schema::{Case, MeasuredTable};
+
+    use super::*;
+    use crate::plan::{Effort, LoopSettings, Setup};
+    use crate::runs::Runs;
+
+    const CASE: &str = r#"
+name = "pairs"
+drum = { radius_m = 0.03, length_m = 0.02, mantle = "glass", end_plates = "glass", ends = "periodic" }
+particles = { material = "glass", shape = { sphere = { diameter_m = 0.004 } } }
+fill.count = 420
+friction = { pp = 0.5, mantle = 0.8 }
+restitution = { pp = 0.6, mantle = 0.6 }
+rolling = { pp = 0.01, mantle = 0.01 }
+run = { speeds_rpm = [50.0, 80.0], frames = 6 }
+[data]
+responses = "measured.csv"
+[free]
+friction.pp = { range = [0.2, 0.8] }
+[simulator.rig]
+coarse = false
+[materials]
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
+"#;
+
+    const TABLE: &str = "\
+omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_eff
+50,30,1,31,1,10,0.5,15,0.5,20
+80,30,1,31,1,10,0.5,15,0.5,20
+";
+
+    #[test]
+    fn fresh_runs_that_refute_a_pair_are_what_its_model_is_first_made_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+        let case = Case::parse("case.toml", CASE).unwrap();
+        let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
+        let setup = Setup::new(&case, &measured, &LoopSettings::default()).unwrap();
+        let runs = Runs::new(&lab, setup.cast, 1);
+        let mut state = State::new(setup, Effort::nothing(), 0, runs);
+        let physics = ["cohesion.energy_density_j_m3", "speed.scale"].map(str::to_owned);
+        let reading = ["cohesion.energy_density_j_m3", "camera.roll_deg"].map(str::to_owned);
+        let run = Sample {
+            at: vec![0.5, 6000.0, 1.2],
+            mean: vec![[30.0, 31.0, 10.0, 15.0]; 2],
+            covariance: vec![[[0.1; 4]; 4]; 2],
+            variance: vec![[1.0; 4]; 2],
+            excess: 0.0,
+        };
+        // Nothing to learn from a drum that failed, nor of a reading, which no particles show.
+        for (names, own) in [(&physics, vec![]), (&reading, vec![run.clone()])] {
+            let learned = (names.to_vec(), own);
+            assert!(!state.can_learn(&learned), "{names:?}");
+            state.learn(vec![learned]);
+            assert!(state.pairs.is_empty(), "{names:?}");
+        }
+        let learned = (physics.to_vec(), vec![run; 3]);
+        assert!(state.can_learn(&learned));
+        state.learn(vec![learned.clone(), learned]);
+        assert_eq!(state.pairs[&physics].len(), 6);
+    }
+}
