@@ -5,6 +5,7 @@ use calib::{CalibError, Problem};
 use crate::driver::{GRID, Stage, State, Told};
 use crate::emulator::Emulator;
 use crate::error::CloseLoopError;
+use crate::plan::Setup;
 use crate::runs::{fill_box, rig_at, sample};
 
 impl State<'_> {
@@ -123,8 +124,9 @@ impl State<'_> {
     }
 
     pub(crate) fn dress(&self, model: Emulator) -> Emulator {
-        let model = model.with_modes(self.modes.clone()).with_volume_sd(self.setup.volume_sd);
-        model.anchored(&self.wholes)
+        let Setup { volume_sd, fillings, .. } = self.setup;
+        let model = model.with_modes(self.modes.clone()).with_volume_sd(volume_sd);
+        model.with_fillings(fillings).anchored(&self.wholes)
     }
 
     pub(crate) fn problem<'m>(&self, base: &'m Emulator) -> Problem<'m> {

@@ -384,8 +384,12 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<Stri
         );
     }
     let [lin, mid, x, y] = base.shift();
+    let measured = match state.setup.fillings {
+        1 => "The measured drum is one filling of many".to_owned(),
+        n => format!("The measured means are over {n} fillings of many"),
+    };
     all.push(format!(
-        "The measured drum is one filling of many: from one of the same volume to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
+        "{measured}: from one of the same volume to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
     ));
     let volume = 100.0 * state.setup.volume_sd;
     if volume >= 0.05 {

@@ -59,6 +59,8 @@ pub struct Emulator {
     anchors: Vec<Anchor>,
     /// Standard deviation of the volume of the measured filling, as a part of it.
     volume_sd: f64,
+    /// Fillings that the measured means are averages over.
+    fillings: f64,
 }
 
 impl Emulator {
@@ -118,6 +120,7 @@ impl Emulator {
             modes,
             anchors,
             volume_sd: 0.0,
+            fillings: 1.0,
         })
     }
 
@@ -141,6 +144,7 @@ impl Emulator {
             modes: Vec::new(),
             anchors: Vec::new(),
             volume_sd: self.volume_sd,
+            fillings: self.fillings,
         })
     }
 
@@ -224,6 +228,14 @@ impl Emulator {
     #[must_use]
     pub fn with_volume_sd(mut self, relative_sd: f64) -> Self {
         self.volume_sd = relative_sd;
+        self
+    }
+
+    /// For measured means that are averages over so many fillings, of which each lies otherwise. (The same particles have the
+    /// same volume each time, so what is not known of that stays.)
+    #[must_use]
+    pub fn with_fillings(mut self, fillings: u32) -> Self {
+        self.fillings = f64::from(fillings.max(1));
         self
     }
 
@@ -346,7 +358,8 @@ impl Emulator {
         let value = |w: &[f64], mode: &[[f64; 4]], r: usize| -> f64 {
             w.iter().zip(mode).map(|(w, m)| w * m[r]).sum()
         };
-        let shift = vec![self.process.scatter.shift; self.knots.len()];
+        let of_means = self.process.scatter.shift.map(|s| s / self.fillings.sqrt());
+        let shift = vec![of_means; self.knots.len()];
         // How much solid the measured filling holds is known to a part.
         let of_volume = |g: &[f64; 4]| g.map(|g| self.volume_sd * g);
         let volume: Vec<[f64; 4]> = local.of_volume.iter().map(of_volume).collect();
@@ -469,4 +482,35 @@ fn code(axes: &[Axis], origin: &[f64], at: &[f64]) -> Vec<f64> {
         .zip(at)
         .map(|((a, o), x)| (a.scale.forth(*x) - a.scale.forth(*o)) / a.unit * a.roughness)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_over_four_fillings_shift_half_as_far() {
+        let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-4));
+        // Ten drums of one friction: fillings differ by half a degree at both speeds alike.
+        let run = |k: u32| {
+            let mean = [20.0 + if k.is_multiple_of(2) { 0.5 } else { -0.5 }; 4];
+            let (mean, covariance) = (vec![mean; 2], vec![noise; 2]);
+            Sample { at: vec![0.4], mean, covariance, variance: vec![[1e-3; 4]; 2], excess: 0.0 }
+        };
+        let runs: Vec<Sample> = (0..10).map(run).collect();
+        let axis =
+            Axis { path: "friction.pp".to_owned(), scale: Scale::Log, unit: 0.35, roughness: 1.0 };
+        let one = Emulator::fit(vec![axis], vec![0.4], vec![20.0, 40.0], &runs).unwrap();
+        let four = one.clone().with_fillings(4);
+        let shift = one.shift()[0];
+        assert!((0.3..0.8).contains(&shift), "{shift}");
+        let of = |m: &Emulator, i, j| m.predict(&[0.4], &[20.0, 40.0]).unwrap().covariance(i, j);
+        for (i, j) in [(0, 0), (0, 4), (3, 3)] {
+            // What is left is what ten simulated fillings do not know of their mean.
+            let less = of(&one, i, j) - of(&four, i, j);
+            let expected = 0.75 * one.shift()[i % 4].powi(2);
+            assert!((less - expected).abs() < 1e-9, "{i} {j}: {less} {expected}");
+        }
+        assert_eq!(one.with_fillings(0).fillings, 1.0);
+    }
 }

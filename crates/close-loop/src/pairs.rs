@@ -67,7 +67,7 @@ impl State<'_> {
         settings: &Settings,
         watch: &mut dyn FnMut(&Told),
     ) -> Result<(), CloseLoopError> {
-        self.look(most, 100, watch, |state, count| state.doubtful_pairs(count, settings))
+        self.look(most, watch, |state, count| state.doubtful_pairs(count, settings))
     }
 
     /// Best points of the pairs that may explain the data best and of which too little is known there.

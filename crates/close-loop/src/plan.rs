@@ -180,6 +180,8 @@ pub(crate) struct Setup {
     pub(crate) predict: Vec<f64>,
     /// Standard deviation of the volume of a filling of the rig, as a part of it.
     pub(crate) volume_sd: f64,
+    /// Fillings of the drum that were measured.
+    pub(crate) fillings: u32,
     /// By how much codes differ.
     pub(crate) codes: Option<CodeCovariance>,
 }
@@ -248,6 +250,7 @@ impl Setup {
         Ok(Self {
             rig,
             volume_sd,
+            fillings: case.data.fillings.unwrap_or(1).max(1),
             cast,
             free,
             axes,

@@ -48,15 +48,13 @@ impl State<'_> {
         settings: &Settings,
         watch: &mut dyn FnMut(&Told),
     ) -> Result<(), CloseLoopError> {
-        self.look(most, 0, watch, |state, count| state.doubtful(count, settings))
+        self.look(most, watch, |state, count| state.doubtful(count, settings))
     }
 
     /// Run what `ask` asks for, [`BATCH`] at a time, until it asks for nothing more or `most` runs are made.
-    /// Fillings of an effect are numbered from `first`.
     pub(crate) fn look(
         &mut self,
         most: usize,
-        first: usize,
         watch: &mut dyn FnMut(&Told),
         ask: impl Fn(&Self, usize) -> Result<Vec<Asked>, CalibError>,
     ) -> Result<(), CloseLoopError> {
@@ -73,8 +71,10 @@ impl State<'_> {
                 let (theta, strengths) = one.at.split_at(free);
                 let effects: Vec<(Effect, f64)> =
                     one.effects.iter().cloned().zip(strengths.iter().copied()).collect();
-                let number = first + self.seen(&one.effects).len() + self.lost(&one.effects).len();
-                let filling = self.runs.filling(Stage::Refine, number);
+                let made = self.seen(&one.effects).iter().map(|s| &s.at);
+                let earlier =
+                    made.chain(self.lost(&one.effects)).filter(|at| **at == one.at).count();
+                let filling = self.runs.filling_at(&one.effects, &one.at, earlier);
                 let (rig, axes) = (&self.setup.rig, &self.setup.axes);
                 rigs.push(rig_with_all(rig, axes, theta, &effects, filling)?);
             }

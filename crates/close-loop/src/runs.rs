@@ -49,6 +49,20 @@ impl<'a> Runs<'a> {
         random.next_u64() >> 12
     }
 
+    /// Seed of the `nth` filling with these effects at a point: the same in every loop on the same rig, so that they share
+    /// what they run, and another one at every point, so that no two points share what a filling happens to be like.
+    pub(crate) fn filling_at(&self, effects: &[Effect], at: &[f64], nth: usize) -> u64 {
+        let mut seed = self.seed;
+        let mut stir = |word: u64| {
+            let mixed = ChaCha8Rng::seed_from_u64(seed ^ word).next_u64();
+            seed = mixed.rotate_left(23) ^ word;
+        };
+        effects.iter().flat_map(|e| e.path.bytes()).for_each(|b| stir(u64::from(b)));
+        at.iter().for_each(|x| stir(x.to_bits()));
+        stir(nth as u64);
+        ChaCha8Rng::seed_from_u64(seed).next_u64() >> 12
+    }
+
     /// Run rigs; a rig that fails is noted under its label and gives `None`.
     pub(crate) fn all(
         &mut self,
@@ -212,3 +226,66 @@ pub(crate) fn fill_box(
 
 /// Samples of each effect by its path.
 pub(crate) type ByEffect = BTreeMap<String, Vec<Sample>>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::Needs;
+    use crate::scale::Scale;
+    use crate::stand_in::Fidelity;
+    use calib::attribution::Layer;
+    use campaign::Sampling;
+
+    const RIG: &str = r#"
+name = "fillings"
+drum = { radius_m = 0.03, length_m = 0.02, mantle = "glass", end_plates = "glass", ends = "periodic" }
+particles = { material = "glass", shape = { sphere = { diameter_m = 0.004 } } }
+fill.count = 20
+run = { speeds_rpm = [50.0] }
+[materials]
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
+"#;
+
+    #[test]
+    fn a_filling_is_that_of_its_place_in_every_loop() {
+        let folder = tempfile::tempdir().unwrap();
+        let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+        let rig = Rig::parse("fillings.toml", RIG).unwrap();
+        let cast = Cast::of(Fidelity::Case, false, &rig).unwrap();
+        let runs = |seed| Runs::new(&lab, cast, seed);
+        let effect = |path: &str| Effect {
+            path: path.to_owned(),
+            layer: Layer::Physics,
+            null: 0.0,
+            probes: [1.0, 2.0],
+            range: (0.0, 4.0),
+            scale: Scale::Linear,
+            along: Vec::new(),
+            needs: Needs::Nothing,
+            roughness: 1.0,
+            prior: 1.0,
+            exposed_by: String::new(),
+            meaning: String::new(),
+        };
+        let (a, b) = ([effect("a")], [effect("b")]);
+        let both = [effect("a"), effect("b")];
+        let one = runs(1).filling_at(&a, &[0.3, 1.0], 0);
+        assert_eq!(one, runs(1).filling_at(&a, &[0.3, 1.0], 0));
+        let mut all = vec![
+            one,
+            runs(2).filling_at(&a, &[0.3, 1.0], 0),
+            runs(1).filling_at(&b, &[0.3, 1.0], 0),
+            runs(1).filling_at(&both, &[0.3, 1.0], 0),
+            runs(1).filling_at(&a, &[1.0, 0.3], 0),
+            runs(1).filling_at(&a, &[0.3], 0),
+            runs(1).filling(Stage::Refine, 0),
+        ];
+        all.extend((1..50).map(|nth| runs(1).filling_at(&a, &[0.3, 1.0], nth)));
+        // What a rig file holds exactly.
+        assert!(all.iter().all(|s| *s < 1 << 53));
+        let count = all.len();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), count);
+    }
+}

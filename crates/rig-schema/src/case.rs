@@ -18,6 +18,9 @@ pub struct Data {
     /// Independent frames in the mean of one speed (the printed scatter is that of all frames);
     /// 15 where neither the file nor the table says.
     pub n_eff: Option<f64>,
+    /// Fillings of the drum that the means of one speed are averages over, 1 where the file does not say: from one
+    /// filling to the next a bed lies otherwise than its frames scatter.
+    pub fillings: Option<u32>,
     /// Table of what another code says of drums that are alike, relative to the case file: the data may
     /// differ from any simulation by as much.
     pub code_differences: Option<String>,
@@ -161,6 +164,19 @@ impl Case {
             "[simulator] table = { file = ..., columns = ... } or rig = {}",
         )?;
         check_simulator(&doc, &simulator)?;
+        if let Some(fillings) = data.get_ref().fillings {
+            if fillings == 0 {
+                return Err(doc.error(
+                    data.span(),
+                    "fillings is no number of fillings",
+                    "1 or more",
+                ));
+            }
+            if matches!(simulator.get_ref(), Simulator::Table { .. }) {
+                let what = "a table of simulated runs does not say how fillings of a drum differ";
+                return Err(doc.error(data.span(), what, "[simulator.rig], or no fillings"));
+            }
+        }
         let free = take_free(&mut doc)?;
         let nuisance = take_nuisance(&mut doc)?;
         let holdout = doc.take("holdout")?.unwrap_or_default();

@@ -11,7 +11,7 @@ use close_loop::rig_schema::{Response, Rig, TangentialLaw};
 
 use super::drums::truth;
 use super::elsewhere;
-use super::make::{INTERVAL_S, RESOLUTION, nature, nature_lab};
+use super::make::{Care, INTERVAL_S, RESOLUTION, nature, nature_lab};
 use crate::peers::code::locate;
 
 /// Frictions between particles of the matched drums.
@@ -21,7 +21,8 @@ const FRICTIONS: [f64; 3] = [0.3, 0.45, 0.6];
 /// `step`.
 fn drum(friction: f64, number: u64, step: f64) -> anyhow::Result<Rig> {
     let truth = truth("null", "", friction, &[]);
-    let mut rig = nature(&truth, 700_000 + number)?;
+    let care = Care { fillings: 1, weighed: false };
+    let mut rig = nature(&truth, 700_000 + number, care)?.remove(0);
     let own = rig.settings.value("step.scale").unwrap_or(1.0);
     rig.settings
         .set("step.scale", own * step)

@@ -21,17 +21,30 @@ const PHOTOGRAPHS: u32 = 120;
 /// Frames of a simulation.
 const FRAMES: u32 = 24;
 
+/// How much care an experimenter takes.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(crate) struct Care {
+    /// Fillings of each drum; they share the photographs.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=12))]
+    pub(crate) fillings: u32,
+    /// Beads are weighed, not counted.
+    #[arg(long)]
+    pub(crate) weighed: bool,
+}
+
 /// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number, `dt`
 /// the time step, s (0.2 ms is an eighth of the Rayleigh time; 0.4 ms moves cohesive beds).
-fn rig_text(law: &str, frames: u32, dt: f64) -> String {
+fn rig_text(law: &str, frames: u32, dt: f64, care: Care) -> String {
     let speeds = SPEEDS;
+    // What 560 beads of that spread weigh, to three figures.
+    let fill = if care.weighed { "fill.mass_kg = 0.165" } else { "fill.count = 560" };
     format!(
         r#"name = "blind"
 {law}
 drum = {{ radius_m = 0.05, length_m = 0.034, mantle = "glass", end_plates = "glass", ends = "periodic" }}
 particles = {{ material = "glass", shape = {{ sphere = {{ diameter_m = 0.006 }} }} }}
 size = {{ spread = 0.12 }}
-fill.count = 560
+{fill}
 friction = {{ pp = 0.4, mantle = 0.9 }}
 restitution = {{ pp = 0.6, mantle = 0.6 }}
 rolling = {{ pp = 0.01, mantle = 0.01 }}
@@ -44,11 +57,12 @@ glass = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e
 }
 
 /// The case file: the rig, and what is asked.
-pub(crate) fn case_text(without: &[String]) -> String {
-    let mut text = rig_text("", FRAMES, 2e-4);
+pub(crate) fn case_text(without: &[String], care: Care) -> String {
+    let mut text = rig_text("", FRAMES, 2e-4, care);
+    let fillings = care.fillings;
     let _ = write!(
         text,
-        "\n[data]\nresponses = \"measured.csv\"\n\n[free]\nfriction.pp = {{ range = [0.15, 0.9] }}\n\n[holdout]\nspeeds_rpm = [{HELD_OUT:?}]\n\n[simulator.rig]\ncoarse = false\n"
+        "\n[data]\nresponses = \"measured.csv\"\nfillings = {fillings}\n\n[free]\nfriction.pp = {{ range = [0.15, 0.9] }}\n\n[holdout]\nspeeds_rpm = [{HELD_OUT:?}]\n\n[simulator.rig]\ncoarse = false\n"
     );
     if !without.is_empty() {
         let names: Vec<String> = without.iter().map(|n| format!("\"{n}\"")).collect();
@@ -57,8 +71,8 @@ pub(crate) fn case_text(without: &[String]) -> String {
     text
 }
 
-/// The rig that nature runs: other fillings, a finer step.
-pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
+/// The rigs that nature runs, one a filling: other fillings than those of any fit, a finer step.
+pub(crate) fn nature(truth: &Truth, seed: u64, care: Care) -> anyhow::Result<Vec<Rig>> {
     let law = truth
         .effects
         .iter()
@@ -66,7 +80,8 @@ pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
         .map(|d| d.law)
         .find(|l| !l.is_empty())
         .unwrap_or("");
-    let mut rig = Rig::parse("blind.toml", &rig_text(law, PHOTOGRAPHS, 2e-4))?;
+    let photographs = PHOTOGRAPHS.div_ceil(care.fillings);
+    let mut rig = Rig::parse("blind.toml", &rig_text(law, photographs, 2e-4, care))?;
     let mut set = |path: &str, value: f64| {
         rig.settings.set(path, value).map_err(|_| anyhow::anyhow!("{path} = {value} is refused"))
     };
@@ -78,8 +93,32 @@ pub(crate) fn nature(truth: &Truth, seed: u64) -> anyhow::Result<Rig> {
             set(other, *value)?;
         }
     }
-    rig.run.seed = seed;
-    Ok(rig)
+    let filling = |k: u32| {
+        let mut own = rig.clone();
+        // A first filling is that of an experimenter who has but one.
+        own.run.seed = seed + 1_000_003 * u64::from(k);
+        own
+    };
+    Ok((0..care.fillings).map(filling).collect())
+}
+
+/// Fillings of one drum as one table: means of means, frames of all.
+pub(crate) fn averaged(runs: &[Run]) -> Option<Run> {
+    let (first, n) = (runs.first()?, runs.len() as f64);
+    let mut all = first.clone();
+    for (k, row) in all.speeds.iter_mut().enumerate() {
+        let rows = || runs.iter().map(|r| &r.speeds[k]);
+        for r in 0..4 {
+            row.mean[r] = rows().map(|s| s.mean[r]).sum::<f64>() / n;
+            row.sd[r] = (rows().map(|s| s.sd[r].powi(2)).sum::<f64>() / n).sqrt();
+            row.n_eff[r] = rows().map(|s| s.n_eff[r]).sum();
+            for c in 0..4 {
+                row.covariance[r][c] = rows().map(|s| s.covariance[r][c]).sum::<f64>() / (n * n);
+            }
+        }
+        row.n_frames = rows().map(|s| s.n_frames).sum();
+    }
+    Some(all)
 }
 
 /// Time between two frames of nature, s.
@@ -125,10 +164,12 @@ fn keep(
     folder: &Path,
     key: &[u8; 32],
     truth: &Truth,
-    run: anyhow::Result<Run>,
+    fillings: anyhow::Result<Vec<Run>>,
+    care: Care,
 ) -> anyhow::Result<()> {
-    let run = match run {
-        Ok(run) => run,
+    let run = match fillings.map(|f| averaged(&f)) {
+        Ok(Some(run)) => run,
+        Ok(None) => return Ok(()),
         Err(e) => {
             println!("{}: {e}", truth.case);
             return Ok(());
@@ -145,7 +186,7 @@ fn keep(
     let sealed = folder.join("truth").join(format!("{}.sealed", truth.case));
     std::fs::write(sealed, seal(&text, key))?;
     std::fs::write(own.join("measured.csv"), table(&run))?;
-    std::fs::write(own.join("case.toml"), case_text(&without))?;
+    std::fs::write(own.join("case.toml"), case_text(&without, care))?;
     Ok(())
 }
 
@@ -154,6 +195,7 @@ pub(crate) fn run(
     seed: u64,
     most: Option<usize>,
     only: Option<&str>,
+    care: Care,
     jobs: usize,
 ) -> anyhow::Result<()> {
     let truths = drums::all(seed);
@@ -165,8 +207,8 @@ pub(crate) fn run(
     let rigs = truths
         .iter()
         .enumerate()
-        .map(|(k, t)| nature(t, seed * 1000 + 17 * k as u64))
-        .collect::<anyhow::Result<Vec<_>>>()?;
+        .map(|(k, t)| nature(t, seed * 1000 + 17 * k as u64, care))
+        .collect::<anyhow::Result<Vec<Vec<Rig>>>>()?;
     let is_ours = |k: &usize| truths[*k].code == "tumble";
     let (mut own, mut others): (Vec<usize>, Vec<usize>) = (0..truths.len()).partition(is_ours);
     if let Some(most) = most {
@@ -179,13 +221,17 @@ pub(crate) fn run(
     others.retain(wanted);
     let count = own.len() + others.len();
     println!("{count} drums");
-    let own_rigs: Vec<Rig> = own.iter().map(|k| rigs[*k].clone()).collect();
-    let runs = lab.run(&own_rigs, |d| {
-        let cost = d.run.map_or(f64::NAN, |r| r.cost_s);
-        println!("{} of {}: {cost:.0} s", d.index + 1, own.len());
-    });
-    for (k, run) in own.into_iter().zip(runs) {
-        keep(folder, &key, &truths[k], run.map_err(Into::into))?;
+    let own_rigs: Vec<Rig> = own.iter().flat_map(|k| rigs[*k].clone()).collect();
+    let mut runs = lab
+        .run(&own_rigs, |d| {
+            let cost = d.run.map_or(f64::NAN, |r| r.cost_s);
+            println!("{} of {}: {cost:.0} s", d.index + 1, own_rigs.len());
+        })
+        .into_iter();
+    for k in own {
+        let fillings: Vec<_> = runs.by_ref().take(rigs[k].len()).collect();
+        let all: Result<Vec<Run>, _> = fillings.into_iter().collect();
+        keep(folder, &key, &truths[k], all.map_err(Into::into), care)?;
     }
     let other = locate("TUMBLE_LIGGGHTS", "liggghts").ok();
     for k in others {
@@ -194,15 +240,56 @@ pub(crate) fn run(
             println!("{}: left out, LIGGGHTS is not installed", truth.case);
             continue;
         };
-        let deck = folder.join("decks").join(&truth.case);
-        keep(
-            folder,
-            &key,
-            truth,
-            elsewhere::run(program, &rigs[k], &deck, INTERVAL_S, RESOLUTION),
-        )?;
+        let fillings = rigs[k].iter().enumerate().map(|(filling, rig)| {
+            let deck = folder.join("decks").join(&truth.case).join(filling.to_string());
+            elsewhere::run(program, rig, &deck, INTERVAL_S, RESOLUTION)
+        });
+        keep(folder, &key, truth, fillings.collect(), care)?;
         println!("{} by another code", truth.case);
     }
     println!("{count} cases in {}", folder.display());
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use close_loop::campaign::SpeedRow;
+
+    #[test]
+    fn fillings_are_averaged_with_the_frames_of_all() {
+        let run = |mean: f64, sd: f64, n: f64| {
+            let row = SpeedRow {
+                omega_rpm: 20.0,
+                mean: [mean; 4],
+                sd: [sd; 4],
+                covariance: [[sd * sd / n; 4]; 4],
+                n_eff: [n; 4],
+                n_frames: 40,
+                rejected: 0,
+                fill: None,
+                approach_s: 0.0,
+            };
+            Run { key: String::new(), speeds: vec![row], steps: 0, particles: 0, cost_s: 0.0 }
+        };
+        assert_eq!(averaged(&[]), None);
+        let all = averaged(&[run(20.0, 1.0, 10.0), run(23.0, 7f64.sqrt(), 20.0)]).unwrap();
+        let row = &all.speeds[0];
+        assert_eq!((row.mean[0], row.sd[1], row.n_eff[2], row.n_frames), (21.5, 2.0, 30.0, 80));
+        // (1 / 10 + 7 / 20) / 4.
+        assert!((row.covariance[0][3] - 0.1125).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_experimenter_who_takes_care_refills_and_weighs() {
+        let truth = drums::truth("null", "", 0.3, &[]);
+        let care = Care { fillings: 3, weighed: true };
+        let rigs = nature(&truth, 5, care).unwrap();
+        let seeds: Vec<u64> = rigs.iter().map(|r| r.run.seed).collect();
+        assert_eq!(seeds, [5, 1_000_008, 2_000_011]);
+        assert!(rigs.iter().all(|r| r.run.frames == 40));
+        assert!(case_text(&[], care).contains("fill.mass_kg = 0.165"));
+        let case = close_loop::rig_schema::Case::parse("c.toml", &case_text(&[], care)).unwrap();
+        assert_eq!(case.data.fillings, Some(3));
+    }
 }

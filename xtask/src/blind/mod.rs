@@ -45,6 +45,8 @@ enum Task {
         /// Only cases whose name contains this, so that a study can be made in parts.
         #[arg(long)]
         only: Option<String>,
+        #[command(flatten)]
+        care: make::Care,
     },
     /// Close the loop on every case, then open the truth.
     Score {
@@ -74,6 +76,8 @@ enum Task {
         /// Most runs for each.
         #[arg(long, default_value_t = 75)]
         runs: usize,
+        #[command(flatten)]
+        care: make::Care,
     },
 }
 
@@ -87,12 +91,12 @@ pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
     match &blind.task {
         Task::Thesis => thesis::run(),
         Task::Codes { fillings } => codes::run(&folder, *fillings, blind.jobs),
-        Task::Make { seed, most, only } => {
-            make::run(&folder, *seed, *most, only.as_deref(), blind.jobs)
+        Task::Make { seed, most, only, care } => {
+            make::run(&folder, *seed, *most, only.as_deref(), *care, blind.jobs)
         }
         Task::Score { runs, only, json } => {
             score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)
         }
-        Task::Nulls { count, runs } => nulls::run(&folder, *count, *runs, blind.jobs),
+        Task::Nulls { count, runs, care } => nulls::run(&folder, *count, *runs, *care, blind.jobs),
     }
 }

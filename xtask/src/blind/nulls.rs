@@ -9,7 +9,7 @@ use close_loop::{CloseLoop, LoopSettings};
 use serde::{Deserialize, Serialize};
 
 use super::drums::truth;
-use super::make::{case_text, nature, nature_lab, table};
+use super::make::{Care, averaged, case_text, nature, nature_lab, table};
 use super::score::fit_sampling;
 
 /// What a drum that lacks nothing was called.
@@ -25,13 +25,19 @@ struct Called {
 }
 
 /// Drums are taken one at a time; several of these commands may share the work, and what is done is kept.
-pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyhow::Result<()> {
+pub(crate) fn run(
+    folder: &Path,
+    count: usize,
+    runs: usize,
+    care: Care,
+    jobs: usize,
+) -> anyhow::Result<()> {
     let own = folder.join("nulls");
     std::fs::create_dir_all(&own)?;
     let picture = fit_sampling();
     let drums = nature_lab(folder, jobs, picture.resolution)?;
     let lab = Laboratory::open(&folder.join("fits"), jobs, picture)?;
-    let case = Case::parse("null.toml", &case_text(&[]))?;
+    let case = Case::parse("null.toml", &case_text(&[], care))?;
     for k in 0..count {
         let done = own.join(format!("{k:03}.json"));
         // The lock ends with the process that holds it, however that ends.
@@ -40,8 +46,9 @@ pub(crate) fn run(folder: &Path, count: usize, runs: usize, jobs: usize) -> anyh
             continue;
         }
         let truth = truth("null", "tumble", [0.28, 0.37, 0.46][k % 3], &[]);
-        let rig = nature(&truth, 900_000 + k as u64)?;
-        let Some(Ok(run)) = drums.run(&[rig], |_| ()).pop() else {
+        let rigs = nature(&truth, 900_000 + k as u64, care)?;
+        let fillings: Result<Vec<_>, _> = drums.run(&rigs, |_| ()).into_iter().collect();
+        let Some(run) = fillings.ok().and_then(|f| averaged(&f)) else {
             println!("{k}: the drum failed");
             continue;
         };

@@ -57,6 +57,13 @@ fn a_plan_and_a_case_refuse_what_they_do_not_know() {
     assert!(Case::parse("case.toml", &case).is_ok());
     let shown = message(Case::parse("case.toml", &case.replace("[0.1, 0.9]", "[0.9, 0.1]")));
     assert!(shown.contains("cannot be fitted"), "{shown}");
+    let with = |n: &str| case.replace("\"m.csv\"", &format!("\"m.csv\"\ndata.fillings = {n}"));
+    assert_eq!(Case::parse("case.toml", &with("3")).expect("reads").data.fillings, Some(3));
+    let shown = message(Case::parse("case.toml", &with("0")));
+    assert!(shown.contains("no number of fillings") && shown.contains("1 or more"), "{shown}");
+    let table = "simulator.table = { file = \"t.csv\", columns = { mu = \"friction.pp\" } }";
+    let shown = message(Case::parse("case.toml", &with("3").replace("simulator.rig = {}", table)));
+    assert!(shown.contains("does not say how fillings of a drum differ"), "{shown}");
 }
 
 #[test]
