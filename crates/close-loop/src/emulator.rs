@@ -318,8 +318,8 @@ impl Emulator {
         local
     }
 
-    /// Variance at a point over that of one run from its frames, on average: 1 where one run was made, more
-    /// where nothing is known.
+    /// Variance at a point over that of the measured means, on average, which is that of one run for each filling that was
+    /// measured: of one filling 1 where one run was made, more where nothing is known.
     pub(crate) fn doubt(&self, at: &[f64]) -> f64 {
         let local = self.process.moments(&code(&self.axes, &self.origin, at));
         let mut sum = 0.0;
@@ -330,7 +330,7 @@ impl Emulator {
                 sum += 0.25 * own / run.max(f64::MIN_POSITIVE);
             }
         }
-        sum / self.knots.len() as f64
+        sum * self.fillings / self.knots.len() as f64
     }
 
     /// Distance of two points, units.
@@ -511,6 +511,8 @@ mod tests {
             let expected = 0.75 * one.shift()[i % 4].powi(2);
             assert!((less - expected).abs() < 1e-9, "{i} {j}: {less} {expected}");
         }
+        // And what runs have to say is held against what was measured.
+        assert!((four.doubt(&[0.4]) / one.doubt(&[0.4]) - 4.0).abs() < 1e-12);
         assert_eq!(one.with_fillings(0).fillings, 1.0);
     }
 }

@@ -14,11 +14,11 @@ use crate::runs::{rig_with_all, sample};
 /// Runs between two looks at the models: two, so that two cores are busy, whatever the number of workers.
 const BATCH: usize = 2;
 
-/// Variance of a model over that of one run from its frames below which runs have said what they can:
-/// about two runs at the point.
+/// Variance of a model over that of what was measured below which runs have said what they can: about two runs at the
+/// point for each filling that was measured.
 const KNOWN: f64 = 0.6;
 
-/// Runs near a point that are enough: as long as nothing was run near other points, as long as others are open, and in
+/// Runs near a point that are enough, for each filling that was measured but for the first: as long as nothing was run near other points, as long as others are open, and in
 /// any case. Where a valley leads is learnt from other places of it, not from more fillings of one.
 const ENOUGH: [usize; 3] = [1, 3, 6];
 
@@ -134,7 +134,9 @@ impl State<'_> {
     ) -> bool {
         let near = |x: &[f64]| model.apart(x, at) < NEAR;
         let made = self.seen(effects).iter().filter(|s| near(&s.at)).count();
-        let known = model.doubt(at) <= KNOWN || made >= enough;
+        // What is measured well is told apart only by surfaces that are known as well.
+        let fillings = if enough > ENOUGH[0] { self.setup.fillings as usize } else { 1 };
+        let known = model.doubt(at) <= KNOWN || made >= enough * fillings;
         known || self.lost(effects).iter().any(|x| near(x))
     }
 
