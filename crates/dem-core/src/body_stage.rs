@@ -10,9 +10,9 @@ use crate::contact_stage::CHUNK;
 use crate::energy::Flow;
 use crate::integrate::Integrator;
 use crate::list::Turn;
-use crate::particles::Record;
+use crate::particles::{Bodies, Record};
 use crate::simd::{Quad, RecordWork, on_records};
-use crate::sums::{Collect, PIECE, Sums};
+use crate::sums::{Collect, PIECE, Pull};
 use crate::threads::cut;
 use crate::world::{BodyYield, Make, Members, World};
 
@@ -30,7 +30,7 @@ pub(crate) enum Halves {
 }
 
 /// A run of bodies.
-struct Run<'a> {
+pub(crate) struct Run<'a> {
     /// Place of the first.
     begin: usize,
     position: &'a mut [Record],
@@ -46,33 +46,34 @@ struct Run<'a> {
 }
 
 /// What is the same for all bodies in a kick.
-struct Kick<'a, M> {
-    make: &'a Make<M>,
-    members: &'a Members,
-    collect: Collect<'a>,
-    gravity: DVec3,
-    gravity_rate: DVec3,
-    ledger: bool,
+pub(crate) struct Kick<'a, M> {
+    pub(crate) make: &'a Make<M>,
+    pub(crate) members: &'a Members,
+    pub(crate) collect: Collect<'a>,
+    pub(crate) gravity: DVec3,
+    pub(crate) gravity_rate: DVec3,
+    pub(crate) ledger: bool,
     /// Time step, s; 0 to sum forces only.
-    dt: f64,
+    pub(crate) dt: f64,
 }
 
 /// What is the same for all bodies in a drift.
-struct Drift<'a> {
-    reference: &'a [Record],
-    frame: Turn,
+pub(crate) struct Drift<'a> {
+    pub(crate) reference: &'a [Record],
+    pub(crate) frame: Turn,
     /// Square of the displacement that calls for a list, m2.
-    limit: f64,
-    dt: f64,
+    pub(crate) limit: f64,
+    pub(crate) dt: f64,
 }
 
 /// The halves of a step for one piece of bodies.
-struct Piece<'a, M, I> {
-    integrator: I,
-    kick: Option<&'a Kick<'a, M>>,
-    drift: Option<&'a Drift<'a>>,
-    run: Run<'a>,
-    sums: &'a mut Sums,
+pub(crate) struct Piece<'a, M, I> {
+    pub(crate) integrator: I,
+    pub(crate) kick: Option<&'a Kick<'a, M>>,
+    pub(crate) drift: Option<&'a Drift<'a>>,
+    pub(crate) run: Run<'a>,
+    /// What acts on them, or zero; zero when they are done.
+    pub(crate) sums: &'a mut [Pull],
 }
 
 impl<M, I: Integrator> RecordWork for Piece<'_, M, I> {
@@ -100,7 +101,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (kicks, drifts) =
             (halves != Halves::Drift, matches!(halves, Halves::Drift | Halves::KickAndDrift));
         let collect = Collect {
-            pairs: &self.state.pairs,
+            pairs: Some(&self.state.pairs),
             walls: &self.state.wall_list,
             w: &self.scratch.wrenches,
             late_start: &self.scratch.late_start,
@@ -144,7 +145,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 result.flow = Flow::default();
             }
             result.moved_far = false;
-            let mut sums = Sums::ZERO;
+            let mut sums = [Pull::ZERO; PIECE];
             for piece in (0..x.len()).step_by(PIECE) {
                 let range = piece..(piece + PIECE).min(x.len());
                 let run = Run {
@@ -158,11 +159,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     end_velocity: &mut ev[range.clone()],
                     mean_spin: &mut mw[range.clone()],
                     linear: l.get_mut(range.clone()).unwrap_or_default(),
-                    turn: &mut t[range],
+                    turn: &mut t[range.clone()],
                 };
                 let kick = kicks.then_some(&kick);
                 let drift = drifts.then_some(&drift);
-                let piece = Piece { integrator, kick, drift, run, sums: &mut sums };
+                let piece = Piece { integrator, kick, drift, run, sums: &mut sums[..range.len()] };
                 let (flow, moved_far) = on_records(level, piece);
                 result.flow.add(&flow);
                 result.moved_far |= moved_far;
@@ -181,7 +182,7 @@ impl<M> Kick<'_, M> {
         &self,
         integrator: &I,
         run: &mut Run<'_>,
-        sums: &mut Sums,
+        sums: &mut [Pull],
         flow: &mut Flow,
     ) {
         let (begin, end) = (run.begin, run.begin + run.position.len());
@@ -193,9 +194,9 @@ impl<M> Kick<'_, M> {
         let dt = self.dt;
         let gravity = Q::load(&Record::new(self.gravity, 0.0));
         let run = run.even();
-        for (k, (force, torque)) in
-            sums.force.iter_mut().zip(&sums.torque).enumerate().take(end - begin)
-        {
+        for (k, sum) in sums.iter_mut().enumerate().take(end - begin) {
+            // Zero again for whose turn comes next.
+            let Pull { mut force, torque } = std::mem::take(sum);
             let mass = run.velocity[k].w;
             if let Some(drag) = &self.make.drag {
                 let v = run.end_velocity[k].vector();
@@ -206,13 +207,13 @@ impl<M> Kick<'_, M> {
             if self.ledger {
                 flow.gravity_turn -= mass * self.gravity_rate.dot(run.position[k].vector());
             }
-            let new = Q::load(force) * (1.0 / mass) + gravity;
+            let new = Q::load(&force) * (1.0 / mass) + gravity;
             let old = Q::load(&run.acceleration[k]);
             new.with_scalar_of(old).store(&mut run.acceleration[k]);
             let moment = run.spin[k].w;
             let old_turn = Q::load(&run.angular[k]);
             let inverse = if moment > 0.0 { 1.0 / moment } else { 1.0 };
-            let new_turn = Q::load(torque) * inverse;
+            let new_turn = Q::load(&torque) * inverse;
             new_turn.with_scalar_of(old_turn).store(&mut run.angular[k]);
             if dt == 0.0 {
                 continue;
@@ -276,7 +277,25 @@ impl Drift<'_> {
     }
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    /// Some of the bodies.
+    #[inline(always)]
+    pub(crate) fn of(b: &'a mut Bodies, own: std::ops::Range<usize>) -> Self {
+        Run {
+            begin: own.start,
+            position: &mut b.position[own.clone()],
+            velocity: &mut b.velocity[own.clone()],
+            spin: &mut b.spin[own.clone()],
+            acceleration: &mut b.acceleration[own.clone()],
+            angular: &mut b.angular_acceleration[own.clone()],
+            mean_velocity: &mut b.mean_velocity[own.clone()],
+            end_velocity: &mut b.end_velocity[own.clone()],
+            mean_spin: &mut b.mean_spin[own.clone()],
+            linear: b.linear_memory.get_mut(own.clone()).unwrap_or_default(),
+            turn: &mut b.angular_memory[own],
+        }
+    }
+
     /// The same run, its slices cut to one length that the compiler knows to be one.
     #[inline(always)]
     fn even(&mut self) -> Run<'_> {

@@ -1,7 +1,8 @@
 //! The stage of contact forces: kernels over the lists, and sums by sphere.
 //!
 //! Every contact writes its wrench to its own place; spheres then sum theirs in a fixed order. So
-//! any number of threads gives the same bits.
+//! any number of threads gives the same bits. Where contacts and bodies go in one pass (`one_pass.rs`),
+//! touching pairs are left to it.
 
 use crate::contact::model::ContactLaw;
 use crate::forces::{ChunkYield, Contacts, Late, MemoryRun};
@@ -9,7 +10,7 @@ use crate::geometry::Nearest;
 use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
-use crate::simd::{Level, PairKernel, Run, WallRun};
+use crate::simd::{Level, PairKernel, Run, WallRun, Wrenches};
 use crate::sums::PIECE;
 use crate::threads::{Stage, Team, cut};
 use crate::world::{Make, Scratch};
@@ -17,7 +18,7 @@ use crate::world::{Make, Scratch};
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
 pub(crate) const CHUNK: usize = 256;
 
-/// Compute all contacts; near pairs in action end in `s.wrenches.late`.
+/// Compute all contacts, or all but the touching pairs; near pairs in action end in `s.wrenches.late`.
 pub(crate) fn all_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
@@ -26,13 +27,20 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     pairs: &mut PairList,
     walls: &mut WallList,
     s: &mut Scratch,
+    with_touching: bool,
 ) {
     let (touching, near_begin, slots) = (pairs.touching, pairs.near_begin, pairs.slots);
     let (near, entries) = (pairs.near().len(), walls.len());
     debug_assert_eq!(near_begin % LANES, 0);
     let w = &mut s.wrenches;
     for v in [&mut w.pair_force, &mut w.pair_torque_first, &mut w.pair_torque_second] {
-        v.resize(near_begin, Record::default());
+        if with_touching {
+            v.resize(near_begin, Record::default());
+        } else {
+            // The kernel passes over pairs that neither touch nor touched: theirs begin at zero.
+            v.clear();
+            v.reserve(near_begin);
+        }
     }
     for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
         v.resize(entries, Record::default());
@@ -46,7 +54,7 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     let (memory, near_memory) = pairs.memory.split_at_mut(near_begin * slots);
     let (first, second) = (&pairs.first[..], &pairs.second[..]);
     let touching_stage = Stage {
-        count: touching.div_ceil(CHUNK),
+        count: if with_touching { touching.div_ceil(CHUNK) } else { 0 },
         parts: (
             cut(active, CHUNK),
             cut(memory, CHUNK * slots),
@@ -60,7 +68,10 @@ pub(crate) fn all_contacts<M: ContactLaw>(
             let end = begin + parts.0.len();
             let pairs = parts.0.len().min(touching - begin);
             let (first, second) = (&first[begin..end], &second[begin..end]);
-            touching_pairs(context, vector, pairs, slots, first, second, parts);
+            let (active, numbers, force, torque_first, torque_second, into) = parts;
+            let wrenches = Wrenches::Kept([force, torque_first, torque_second]);
+            let chunk = Touching { pairs, slots, first, second, active, numbers, wrenches };
+            touching_pairs(context, vector, chunk, &mut into[0]);
         },
     };
     let near_stage = Stage {
@@ -110,39 +121,52 @@ type PairParts<'a> = (
     &'a mut [ChunkYield],
 );
 
-fn touching_pairs<M: ContactLaw>(
+/// One chunk of touching pairs, in whole blocks.
+pub(crate) struct Touching<'a> {
+    /// Pairs; what is beyond them is padding.
+    pub(crate) pairs: usize,
+    pub(crate) slots: usize,
+    pub(crate) first: &'a [u32],
+    pub(crate) second: &'a [u32],
+    pub(crate) active: &'a mut [u8],
+    pub(crate) numbers: &'a mut [f64],
+    pub(crate) wrenches: Wrenches<'a>,
+}
+
+/// Compute a chunk of touching pairs.
+pub(crate) fn touching_pairs<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
-    pairs: usize,
-    slots: usize,
-    first: &[u32],
-    second: &[u32],
-    (active, numbers, force, torque_first, torque_second, into): PairParts<'_>,
+    chunk: Touching<'_>,
+    into: &mut ChunkYield,
 ) {
-    let into = &mut into[0];
     into.reset();
+    let Touching { pairs, slots, first, second, active, numbers, mut wrenches } = chunk;
     if let Some((level, kernel)) = vector {
-        let mut run = Run {
-            pairs,
-            first,
-            second,
-            active,
-            memory: numbers,
-            force,
-            torque_first,
-            torque_second,
-        };
+        let mut run = Run { pairs, first, second, active, memory: numbers, wrenches };
         kernel.touching(level, &mut run, into);
         return;
     }
     let mut memory = MemoryRun { slots, numbers };
     for k in 0..pairs {
-        let wrench = context
-            .pair(first[k], second[k], k, &mut active[k], &mut memory, into)
-            .unwrap_or_default();
-        force[k].set(wrench.force);
-        torque_first[k].set(wrench.torque_on_first);
-        torque_second[k].set(wrench.torque_on_second);
+        let (a, b) = (first[k], second[k]);
+        let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into).unwrap_or_default();
+        match &mut wrenches {
+            Wrenches::Kept([force, torque_first, torque_second]) => {
+                force[k].set(wrench.force);
+                torque_first[k].set(wrench.torque_on_first);
+                torque_second[k].set(wrench.torque_on_second);
+            }
+            Wrenches::Summed(sums) => {
+                let within = sums.len() - 1;
+                let sum = &mut sums[a as usize & within];
+                sum.force.add(wrench.force);
+                sum.torque.add(wrench.torque_on_first);
+                let sum = &mut sums[b as usize & within];
+                sum.force.add(-wrench.force);
+                sum.torque.add(wrench.torque_on_second);
+            }
+        }
     }
 }
 

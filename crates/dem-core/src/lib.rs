@@ -62,6 +62,7 @@ mod mesh_contacts;
 mod neighbour;
 pub mod noncontact;
 pub mod observe;
+mod one_pass;
 pub mod particles;
 pub mod prelude;
 pub mod rigid;

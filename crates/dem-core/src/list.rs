@@ -50,8 +50,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         std::mem::swap(&mut state.pairs, &mut s.old_pairs);
         std::mem::swap(&mut state.wall_list, &mut s.old_walls);
         // The old list is only read for what its contacts remember: one such index is enough.
-        std::mem::swap(&mut state.pairs.by_second, &mut s.old_pairs.by_second);
-        std::mem::swap(&mut state.pairs.second_start, &mut s.old_pairs.second_start);
+        std::mem::swap(&mut state.pairs.by_later, &mut s.old_pairs.by_later);
+        std::mem::swap(&mut state.pairs.later_start, &mut s.old_pairs.later_start);
         if sorted {
             s.new_sphere_place.clear();
             s.new_sphere_place.resize(s.old_sphere_place.len(), 0);

@@ -64,7 +64,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     pub fn snapshot(&self) -> Snapshot {
         let mut state = self.state.clone();
         // Made anew in the world that takes it back.
-        state.pairs.forget_second();
+        state.pairs.forget_later();
         Snapshot {
             make: self.fingerprint(),
             gravity: self.make.gravity,
@@ -100,7 +100,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         // A snapshot of a world with another integrator may hold no memory, or one too many.
         let remembered = if I::REMEMBERS { self.state.bodies.len() } else { 0 };
         self.state.bodies.linear_memory.resize(remembered, Record::default());
-        self.state.pairs.sort_by_second();
+        self.state.pairs.sort_by_later();
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;
@@ -133,7 +133,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
-const MAGIC: u64 = u64::from_le_bytes(*b"demcore3");
+const MAGIC: u64 = u64::from_le_bytes(*b"demcore4");
 
 impl Snapshot {
     /// The snapshot as bytes: little-endian numbers behind a version mark, with a checksum.

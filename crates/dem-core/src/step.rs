@@ -5,9 +5,12 @@ use crate::contact::model::ContactLaw;
 use crate::contact_stage::all_contacts;
 use crate::energy::Flow;
 use crate::error::Error;
+use crate::forces::Contacts;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
-use crate::world::{World, sphere_view};
+use crate::simd::{Features, PairKernel};
+use crate::spheres::SphereView;
+use crate::world::{Make, World, sphere_view};
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Advance by `steps` time steps.
@@ -40,6 +43,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             self.make_list()?;
         }
         self.place_members();
+        if more && self.goes_in_one_pass() {
+            return self.one_pass().map(Some);
+        }
         self.contact_forces(dt);
         let overlaps = self.check_overlaps();
         // A ledger and a fault look at the world between two steps.
@@ -108,50 +114,24 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut s = std::mem::take(&mut self.scratch);
         let placed = std::mem::take(&mut s.placed);
-        let mut context = {
-            let make = &self.make;
-            crate::forces::Contacts {
-                spheres: sphere_view(&self.state, clumps, dt),
-                walls: &placed,
-                laws: &make.laws,
-                materials: make.materials.len(),
-                period: make.period,
-                dt,
-                overlap_limit: make.overlap_limit,
-                neck: make.neck,
-                gap_forces: &make.gap_forces,
-                ledger,
-            }
-        };
-        // The portable kernel books energies and gives the same bits, unless roots are fast.
-        let fast_roots = self.make.fast_roots;
-        let fast = self.make.fast.as_deref().filter(|_| !ledger || fast_roots);
-        let only = self.make.one_material.map(|m| m * self.make.materials.len() + m);
-        let level = self.make.level;
-        let vector = fast.map(|all| crate::simd::PairKernel {
-            spheres: context.spheres,
-            constants: only.map_or(all, |k| &all[k..=k]),
-            all,
-            one_material: self.make.one_material,
-            materials: context.materials,
-            one_size: self.make.one_size,
-            period: context.period,
-            dt,
-            overlap_limit: context.overlap_limit,
-            fast_roots,
-            features: crate::simd::Features::of(all, clumps),
-        });
-        let vector = vector.as_ref().map(|kernel| (level, kernel));
+        let spheres = sphere_view(&self.state.bodies, &self.state.members, clumps, dt);
+        let mut context = contacts_of(&self.make, spheres, &placed, dt, ledger);
+        let kernel = kernel_of(&self.make, spheres, dt, ledger);
+        let vector = kernel.as_ref().map(|kernel| (self.make.level, kernel));
         // With fast roots a copy of the contacts is booked, and the contacts go their own way.
         let mut booked = Flow::default();
         if ledger && vector.is_some() {
             let (mut pairs, mut walls) = (pairs.clone(), walls.clone());
-            all_contacts(&context, None, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
+            all_contacts(
+                &context, None, &self.team, &self.make, &mut pairs, &mut walls, &mut s, true,
+            );
             let yields = s.pair_yield.iter().chain(&s.near_yield).chain(&s.wall_yield);
             yields.for_each(|y| booked.add(&y.flow));
             context.ledger = false;
         }
-        all_contacts(&context, vector, &self.team, &self.make, &mut pairs, &mut walls, &mut s);
+        all_contacts(
+            &context, vector, &self.team, &self.make, &mut pairs, &mut walls, &mut s, true,
+        );
         if let Some(first) = s.pair_yield.first_mut() {
             first.flow.add(&booked);
         }
@@ -182,4 +162,51 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             b.angular_memory[k].set(memory);
         }
     }
+}
+
+/// What the portable kernels read.
+pub(crate) fn contacts_of<'a, M: ContactLaw>(
+    make: &'a Make<M>,
+    spheres: SphereView<'a>,
+    walls: &'a [PlacedWall],
+    dt: f64,
+    ledger: bool,
+) -> Contacts<'a, M> {
+    Contacts {
+        spheres,
+        walls,
+        laws: &make.laws,
+        materials: make.materials.len(),
+        period: make.period,
+        dt,
+        overlap_limit: make.overlap_limit,
+        neck: make.neck,
+        gap_forces: &make.gap_forces,
+        ledger,
+    }
+}
+
+/// What the vector kernels read, where they know the laws.
+pub(crate) fn kernel_of<'a, M>(
+    make: &'a Make<M>,
+    spheres: SphereView<'a>,
+    dt: f64,
+    ledger: bool,
+) -> Option<PairKernel<'a>> {
+    // The portable kernel books energies and gives the same bits, unless roots are fast.
+    let all = make.fast.as_deref().filter(|_| !ledger || make.fast_roots)?;
+    let only = make.one_material.map(|m| m * make.materials.len() + m);
+    Some(PairKernel {
+        spheres,
+        constants: only.map_or(all, |k| &all[k..=k]),
+        all,
+        one_material: make.one_material,
+        materials: make.materials.len(),
+        one_size: make.one_size,
+        period: make.period,
+        dt,
+        overlap_limit: make.overlap_limit,
+        fast_roots: make.fast_roots,
+        features: Features::of(all, spheres.clumps.is_some()),
+    })
 }

@@ -1,4 +1,8 @@
 //! Sums of forces and torques, sphere by sphere or body by body, in a fixed order.
+//!
+//! For a sphere that order is always: touching pairs as they stand in the list (those that it does not own
+//! come first), near pairs, walls. Touching pairs are summed in one of two ways, to the same bits: each
+//! contact adds to the ring as it is computed, or every contact keeps its wrench, and spheres find theirs.
 
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
@@ -8,29 +12,56 @@ use crate::world::{Members, Wrenches};
 /// Spheres whose forces are summed at once.
 pub(crate) const PIECE: usize = 64;
 
+/// Force and torque on one body: a line of the cache.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(C, align(64))]
+pub(crate) struct Pull {
+    pub(crate) force: Record,
+    pub(crate) torque: Record,
+}
+
+impl Pull {
+    pub(crate) const ZERO: Self = Self { force: Record::ZERO, torque: Record::ZERO };
+}
+
 /// Where spheres find the wrenches that act on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Collect<'a> {
-    pub(crate) pairs: &'a PairList,
+    /// Touching pairs, unless they are in the sums already.
+    pub(crate) pairs: Option<&'a PairList>,
     pub(crate) walls: &'a WallList,
     pub(crate) w: &'a Wrenches,
     pub(crate) late_start: &'a [u32],
     pub(crate) late_ends: &'a [u32],
 }
 
-/// Forces and torques on up to `PIECE` spheres (or bodies).
-pub(crate) struct Sums {
-    pub(crate) force: [Record; PIECE],
-    pub(crate) torque: [Record; PIECE],
-}
+/// Sums of a window of spheres that moves along the list: sphere `k` has the place `k` modulo the length,
+/// which is a power of two.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Ring(Vec<Pull>);
 
-impl Sums {
-    pub(crate) const ZERO: Self =
-        Self { force: [Record::ZERO; PIECE], torque: [Record::ZERO; PIECE] };
+impl Ring {
+    /// Have room for a window of so many spheres and the piece in which it begins; all sums are zero.
+    pub(crate) fn cover(&mut self, window: usize, spheres: usize) {
+        let most = spheres.next_multiple_of(PIECE).max(PIECE);
+        let length = (window + PIECE).min(most).next_power_of_two();
+        if self.0.len() != length {
+            self.0.clear();
+            // Room for any window, so that no later step has to ask for it.
+            self.0.reserve_exact(most.next_power_of_two());
+            self.0.resize(length, Pull::ZERO);
+        }
+        debug_assert!(self.0.iter().all(|sum| *sum == Pull::ZERO), "sums were left over");
+    }
 
-    fn clear(&mut self, count: usize) {
-        self.force[..count].fill(Record::ZERO);
-        self.torque[..count].fill(Record::ZERO);
+    pub(crate) fn slots(&mut self) -> &mut [Pull] {
+        &mut self.0
+    }
+
+    /// The sums of the spheres of a piece that begins at `begin`.
+    pub(crate) fn piece(&mut self, begin: usize, count: usize) -> &mut [Pull] {
+        let place = begin % self.0.len();
+        &mut self.0[place..place + count]
     }
 }
 
@@ -38,28 +69,22 @@ impl Sums {
 trait Sink {
     /// They act on a sphere.
     fn add(&mut self, sphere: u32, force: &Record, torque: &Record);
-    /// The force acts the other way.
-    fn react(&mut self, sphere: u32, force: &Record, torque: &Record);
 }
 
 /// Spheres by themselves.
 struct BySphere<'a> {
     begin: usize,
-    sums: &'a mut Sums,
+    sums: &'a mut [Pull],
 }
 
 impl Sink for BySphere<'_> {
     #[inline(always)]
     fn add(&mut self, sphere: u32, force: &Record, torque: &Record) {
-        let k = (sphere as usize).wrapping_sub(self.begin) % PIECE;
-        self.sums.force[k] = self.sums.force[k].plus(force);
-        self.sums.torque[k] = self.sums.torque[k].plus(torque);
-    }
-    #[inline(always)]
-    fn react(&mut self, sphere: u32, force: &Record, torque: &Record) {
-        let k = (sphere as usize).wrapping_sub(self.begin) % PIECE;
-        self.sums.force[k] = self.sums.force[k].minus(force);
-        self.sums.torque[k] = self.sums.torque[k].plus(torque);
+        let k = (sphere as usize).wrapping_sub(self.begin);
+        if let Some(sum) = self.sums.get_mut(k) {
+            sum.force = sum.force.plus(force);
+            sum.torque = sum.torque.plus(torque);
+        }
     }
 }
 
@@ -67,52 +92,64 @@ impl Sink for BySphere<'_> {
 struct ByBody<'a> {
     members: &'a Members,
     begin: usize,
-    sums: &'a mut Sums,
+    sums: &'a mut [Pull],
 }
 
 impl Sink for ByBody<'_> {
     #[inline(always)]
     fn add(&mut self, sphere: u32, force: &Record, torque: &Record) {
         let (m, sphere) = (self.members, sphere as usize);
-        let k = (m.body[sphere] as usize).wrapping_sub(self.begin) % PIECE;
+        let k = (m.body[sphere] as usize).wrapping_sub(self.begin);
         let about = Record::new(m.arm[sphere].vector().cross(force.vector()), 0.0);
-        self.sums.force[k] = self.sums.force[k].plus(force);
-        self.sums.torque[k] = self.sums.torque[k].plus(torque).plus(&about);
-    }
-    #[inline(always)]
-    fn react(&mut self, sphere: u32, force: &Record, torque: &Record) {
-        self.add(sphere, &Record::ZERO.minus(force), torque);
+        if let Some(sum) = self.sums.get_mut(k) {
+            sum.force = sum.force.plus(force);
+            sum.torque = sum.torque.plus(torque).plus(&about);
+        }
     }
 }
 
 impl Collect<'_> {
     /// Forces and torques on the spheres from `begin` to `end`, at most a piece.
     #[inline(always)]
-    pub(crate) fn spheres(&self, begin: usize, end: usize, sums: &mut Sums) {
-        sums.clear(end - begin);
+    pub(crate) fn spheres(&self, begin: usize, end: usize, sums: &mut [Pull]) {
         self.each(begin..end, BySphere { begin, sums });
     }
 
     /// Forces and torques about their centres on the bodies of several spheres from `begin` to
     /// `end`, at most a piece.
     #[inline(always)]
-    pub(crate) fn bodies(&self, members: &Members, begin: usize, end: usize, sums: &mut Sums) {
-        sums.clear(end - begin);
+    pub(crate) fn bodies(&self, members: &Members, begin: usize, end: usize, sums: &mut [Pull]) {
         let spheres = members.first[begin] as usize..members.first[end] as usize;
         self.each(spheres, ByBody { members, begin, sums });
     }
 
     /// Forces on a run of spheres and torques about their centres, contact by contact.
-    ///
-    /// The order for a sphere is always the same: near pairs, touching pairs in which it is the
-    /// first, those in which it is the second, walls. The loops run over contacts and have no branch.
     #[inline(always)]
     fn each(&self, spheres: std::ops::Range<usize>, mut to: impl Sink) {
         let (begin, end) = (spheres.start, spheres.end);
         if begin == end {
             return;
         }
-        let (p, w) = (self.pairs, self.w);
+        let w = self.w;
+        if let Some(p) = self.pairs {
+            // By tables, not by branches: which one is the first is a matter of chance.
+            let torques = [&w.pair_torque_first[..], &w.pair_torque_second[..]];
+            let mut add = |pair: usize, sphere: u32, as_second: bool| {
+                let role = usize::from(as_second);
+                // The second sphere feels the opposite.
+                let force = w.pair_force[pair] * [1.0, -1.0][role];
+                to.add(sphere, &force, &torques[role][pair]);
+            };
+            let later = p.later_start[begin] as usize..p.later_start[end] as usize;
+            for &[pair, sphere] in &p.by_later[later] {
+                add((pair / 2) as usize, sphere, pair & 1 != 0);
+            }
+            let own = p.touching_start[begin] as usize..p.touching_start[end] as usize;
+            for (pair, (&a, &b)) in own.clone().zip(p.first[own.clone()].iter().zip(&p.second[own]))
+            {
+                add(pair, a.min(b), b < a);
+            }
+        }
         let pieces = begin / PIECE..(end - 1) / PIECE + 1;
         let late = self.late_start[pieces.start] as usize..self.late_start[pieces.end] as usize;
         for &l in &self.late_ends[late] {
@@ -125,16 +162,6 @@ impl Collect<'_> {
             if spheres.contains(&(sphere as usize)) {
                 to.add(sphere, &Record::new(f, 0.0), &Record::new(t, 0.0));
             }
-        }
-        let own = p.touching_start[begin] as usize..p.touching_start[end] as usize;
-        let wrenches = w.pair_force[own.clone()].iter().zip(&w.pair_torque_first[own.clone()]);
-        for (&a, (f, t)) in p.first[own].iter().zip(wrenches) {
-            to.add(a, f, t);
-        }
-        let own = p.second_start[begin] as usize..p.second_start[end] as usize;
-        for &[pair, b] in &p.by_second[own] {
-            let pair = pair as usize;
-            to.react(b, &w.pair_force[pair], &w.pair_torque_second[pair]);
         }
         let own = self.walls.start[begin] as usize..self.walls.start[end] as usize;
         let wrenches = w.wall_force[own.clone()].iter().zip(&w.wall_torque[own.clone()]);

@@ -157,6 +157,11 @@ impl Team {
         Self { crew: (threads > 1).then(|| Crew::new(threads)).flatten().map(Arc::new) }
     }
 
+    /// Whether everything runs on the caller's thread.
+    pub(crate) fn is_one(&self) -> bool {
+        self.crew.is_none()
+    }
+
     /// Run `work`, in which the team is awake.
     pub(crate) fn enter<R>(&self, work: impl FnOnce() -> R) -> R {
         let _awake = self.crew.as_ref().map(|crew| crew.wake());

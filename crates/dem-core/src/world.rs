@@ -20,6 +20,7 @@ use crate::neighbour::wall_list::WallList;
 use crate::particles::{Bodies, ParticleId, Record};
 use crate::rigid::Clump;
 use crate::spheres::{ClumpView, SphereView};
+use crate::sums::Ring;
 use crate::threads::Team;
 
 /// State of everything that moves.
@@ -150,6 +151,8 @@ pub(crate) struct Scratch {
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
     pub(crate) body_yield: Vec<BodyYield>,
+    /// Sums of touching pairs of the bodies that one pass has not finished yet.
+    pub(crate) ring: Ring,
     /// Ends of near pairs in action by pieces of spheres, and where those of a piece begin.
     pub(crate) late_start: Vec<u32>,
     pub(crate) late_ends: Vec<u32>,
@@ -485,11 +488,15 @@ impl State {
 }
 
 /// The spheres that contacts see: the bodies themselves, or the members of clumps, which turned for `dt`.
-pub(crate) fn sphere_view(state: &State, clumps: bool, dt: f64) -> SphereView<'_> {
-    let (b, m) = (&state.bodies, &state.members);
+pub(crate) fn sphere_view<'a>(
+    b: &'a Bodies,
+    m: &'a Members,
+    clumps: bool,
+    dt: f64,
+) -> SphereView<'a> {
     let view = ClumpView { body: &m.body, arm: &m.arm, end_spin: &m.end_spin, dt };
     SphereView {
-        position: state.sphere_positions(clumps),
+        position: if clumps { &m.position } else { &b.position },
         mean_velocity: &b.mean_velocity,
         mean_spin: &b.mean_spin,
         end_velocity: &b.end_velocity,

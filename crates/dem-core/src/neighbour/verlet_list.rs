@@ -1,10 +1,14 @@
 //! The Verlet list: pairs in reach, touching ones first, with what their contacts remember.
 //!
 //! Pairs that touch (or nearly so) when the list is made come first, then those that are merely
-//! near; both runs are sorted by their first sphere. What a contact remembers is stored in one
-//! piece, so that any eight pairs can be computed together. The list also holds the touching pairs
-//! by their second sphere, so that any run of spheres can collect its forces in a fixed order,
-//! whichever thread computed them.
+//! near; both runs are sorted by their earlier sphere, the one that lies first in memory: it owns the
+//! pair. So all pairs of a sphere are computed once those are that it owns. (Which sphere of a pair is
+//! `first` is a matter of names.) What a contact remembers is stored in one piece, so that any eight
+//! pairs can be computed together. The list also holds the touching pairs by their later sphere, so
+//! that any run of spheres can collect its forces in the order of the list, whichever thread computed
+//! them.
+
+use crate::contact_stage::CHUNK;
 
 /// Pairs in one block of the list.
 pub(crate) const LANES: usize = 8;
@@ -43,12 +47,15 @@ pub(crate) struct PairList {
     pub(crate) touching: usize,
     /// Near pairs are `near_begin..first.len()`.
     pub(crate) near_begin: usize,
-    /// First touching, first near pair of each sphere.
+    /// First touching, first near pair that each sphere owns.
     pub(crate) touching_start: Vec<u32>,
     pub(crate) near_start: Vec<u32>,
-    /// Touching pairs by their second sphere, each with that sphere, and where those of each sphere begin.
-    pub(crate) second_start: Vec<u32>,
-    pub(crate) by_second: Vec<[u32; 2]>,
+    /// Touching pairs by their later sphere, and where those of each sphere begin: the pair, twice,
+    /// plus one where that sphere is its second, and the sphere.
+    pub(crate) later_start: Vec<u32>,
+    pub(crate) by_later: Vec<[u32; 2]>,
+    /// Most places from the owner of the first pair of a chunk to any sphere in the chunk, both included.
+    pub(crate) window: usize,
 }
 
 /// A pair found by the search.
@@ -66,9 +73,18 @@ impl Found {
         let (first, second) = if ids[i as usize] < ids[j as usize] { (i, j) } else { (j, i) };
         Self { first, second, touching }
     }
+
+    fn owner(&self) -> usize {
+        self.first.min(self.second) as usize
+    }
 }
 
 impl PairList {
+    /// The sphere that owns a pair.
+    pub(crate) fn owner(&self, pair: usize) -> usize {
+        self.first[pair].min(self.second[pair]) as usize
+    }
+
     pub(crate) fn near(&self) -> std::ops::Range<usize> {
         self.near_begin..self.first.len()
     }
@@ -90,7 +106,7 @@ impl PairList {
         }
         for f in found.iter().flatten() {
             let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
-            start[f.first as usize] += 1;
+            start[f.owner()] += 1;
         }
         let touching = ends_from_counts(&mut self.touching_start, 0);
         self.touching = touching;
@@ -104,12 +120,12 @@ impl PairList {
         // end at the beginnings.
         for f in found.iter().rev().flat_map(|f| f.iter().rev()) {
             let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
-            let place = &mut start[f.first as usize];
+            let place = &mut start[f.owner()];
             *place -= 1;
             self.first[*place as usize] = f.first;
             self.second[*place as usize] = f.second;
         }
-        self.sort_by_second();
+        self.sort_by_later();
         self.active.clear();
         self.active.resize(total, 0);
         self.memory.clear();
@@ -117,28 +133,37 @@ impl PairList {
         self.take_over(spheres, old, new_place);
     }
 
-    /// Sort the touching pairs by their second sphere, those of one sphere as in the list.
-    pub(crate) fn sort_by_second(&mut self) {
-        self.second_start.clear();
-        self.second_start.resize(self.touching_start.len(), 0);
-        let second = &self.second[..self.touching];
-        for &b in second {
-            self.second_start[b as usize] += 1;
+    /// Sort the touching pairs by their later sphere, those of one sphere as in the list.
+    pub(crate) fn sort_by_later(&mut self) {
+        self.later_start.clear();
+        self.later_start.resize(self.touching_start.len(), 0);
+        let pairs = || self.first[..self.touching].iter().zip(&self.second[..self.touching]);
+        let (mut begin, mut window) = (0, 0);
+        for (pair, (&a, &b)) in pairs().enumerate() {
+            if pair.is_multiple_of(CHUNK) {
+                begin = a.min(b);
+            }
+            let later = a.max(b);
+            self.later_start[later as usize] += 1;
+            window = window.max(later - begin + 1);
         }
-        let total = ends_from_counts(&mut self.second_start, 0);
-        self.by_second.clear();
-        self.by_second.resize(total, [0; 2]);
-        for (pair, &b) in second.iter().enumerate().rev() {
-            let place = &mut self.second_start[b as usize];
+        self.window = window as usize;
+        let total = ends_from_counts(&mut self.later_start, 0);
+        self.by_later.clear();
+        self.by_later.resize(total, [0; 2]);
+        for (pair, (&a, &b)) in pairs().enumerate().rev() {
+            let later = a.max(b);
+            let place = &mut self.later_start[later as usize];
             *place -= 1;
-            self.by_second[*place as usize] = [pair as u32, b];
+            self.by_later[*place as usize] = [2 * pair as u32 + u32::from(b > a), later];
         }
     }
 
-    /// Drop what `sort_by_second` made.
-    pub(crate) fn forget_second(&mut self) {
-        self.by_second.clear();
-        self.second_start.clear();
+    /// Drop what `sort_by_later` made.
+    pub(crate) fn forget_later(&mut self) {
+        self.by_later.clear();
+        self.later_start.clear();
+        self.window = 0;
     }
 
     fn take_over(&mut self, spheres: usize, old: &PairList, new_place: Option<&[u32]>) {
@@ -148,7 +173,7 @@ impl PairList {
         let now = |place: u32| new_place.map_or(place, |n| n[place as usize]);
         for (was, _) in old.active.iter().enumerate().filter(|(_, active)| **active != 0) {
             let (a, b) = (now(old.first[was]), now(old.second[was]));
-            let Some(pair) = self.find(a as usize, b) else { continue };
+            let Some(pair) = self.find(a, b) else { continue };
             self.active[pair] = 1;
             self.memory[memory_of(self.slots, pair)]
                 .copy_from_slice(&old.memory[memory_of(self.slots, was)]);
@@ -156,10 +181,12 @@ impl PairList {
     }
 
     /// Place of the pair (`first`, `second`).
-    pub(crate) fn find(&self, first: usize, second: u32) -> Option<usize> {
+    pub(crate) fn find(&self, first: u32, second: u32) -> Option<usize> {
+        let owner = first.min(second) as usize;
         let runs = [&self.touching_start, &self.near_start];
         runs.into_iter().find_map(|start| {
-            (start[first] as usize..start[first + 1] as usize).find(|&p| self.second[p] == second)
+            (start[owner] as usize..start[owner + 1] as usize)
+                .find(|&p| self.first[p] == first && self.second[p] == second)
         })
     }
 }

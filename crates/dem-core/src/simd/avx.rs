@@ -107,6 +107,29 @@ unsafe fn rows_of([x, y, z, w]: [Wide; 4]) -> [__m512d; 4] {
     }
 }
 
+/// Where the sum of a sphere lies, of whose place four times is given.
+///
+/// # Safety
+/// It lies within the sums.
+#[inline(always)]
+unsafe fn sum_at(to: *mut f64, within: u32, place: u32) -> *mut f64 {
+    // SAFETY: by the caller.
+    unsafe { to.add(2 * (place & within) as usize) }
+}
+
+/// Add force and torque to the sum of a sphere.
+///
+/// # Safety
+/// AVX-512 is there and the sum can be written.
+#[inline(always)]
+unsafe fn add_wide(to: *mut f64, within: u32, place: u32, wrench: __m512d) {
+    // SAFETY: by the caller; sums lie at multiples of 64.
+    unsafe {
+        let sum = sum_at(to, within, place);
+        _mm512_store_pd(sum, _mm512_add_pd(_mm512_load_pd(sum), wrench));
+    }
+}
+
 /// Fields of eight records from four pairs of rows: two rounds of exchanges.
 ///
 /// # Safety
@@ -203,6 +226,30 @@ impl Lanes for Wide {
         }
     }
     #[inline(always)]
+    unsafe fn add_wrenches(
+        [f, ti, tj]: [[Self; 4]; 3],
+        to: *mut f64,
+        within: u32,
+        first: &[u32; 8],
+        second: &[u32; 8],
+    ) {
+        unsafe {
+            let (f, ti, tj) = (rows_of(f), rows_of(ti), rows_of(tj));
+            let opposite = _mm512_setr_pd(-0.0, -0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0);
+            // In the order of the list: rows 0 to 3 hold the first four contacts in their lower halves.
+            for k in 0..4 {
+                let on_second = _mm512_shuffle_f64x2::<0x44>(f[k], tj[k]);
+                add_wide(to, within, first[k], _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
+                add_wide(to, within, second[k], _mm512_xor_pd(on_second, opposite));
+            }
+            for k in 0..4 {
+                let on_second = _mm512_shuffle_f64x2::<0xEE>(f[k], tj[k]);
+                add_wide(to, within, first[k + 4], _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
+                add_wide(to, within, second[k + 4], _mm512_xor_pd(on_second, opposite));
+            }
+        }
+    }
+    #[inline(always)]
     fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
         unsafe { pack_fours(places, order, to) }
     }
@@ -276,6 +323,44 @@ unsafe fn transpose(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> [__m256d;
             _mm256_permute2f128_pd::<0x31>(xz, xz2),
             _mm256_permute2f128_pd::<0x31>(yw, yw2),
         ]
+    }
+}
+
+/// The first four of eight quads from their fields.
+///
+/// # Safety
+/// AVX is there.
+#[inline(always)]
+unsafe fn lower_rows([x, y, z, w]: [Pair; 4]) -> [__m256d; 4] {
+    // SAFETY: by the caller.
+    unsafe { transpose(x.0, y.0, z.0, w.0) }
+}
+
+/// The last four of eight quads from their fields.
+///
+/// # Safety
+/// AVX is there.
+#[inline(always)]
+unsafe fn upper_rows([x, y, z, w]: [Pair; 4]) -> [__m256d; 4] {
+    // SAFETY: by the caller.
+    unsafe { transpose(x.1, y.1, z.1, w.1) }
+}
+
+/// Add force and torques of one contact to the sums of both spheres.
+///
+/// # Safety
+/// AVX is there and both sums can be written.
+#[inline(always)]
+unsafe fn add_pair(to: *mut f64, within: u32, places: [u32; 2], [f, ti, tj]: [__m256d; 3]) {
+    // SAFETY: by the caller; sums lie at multiples of 64.
+    unsafe {
+        let (first, second) = (sum_at(to, within, places[0]), sum_at(to, within, places[1]));
+        let torque = first.add(4);
+        _mm256_store_pd(first, _mm256_add_pd(_mm256_load_pd(first), f));
+        _mm256_store_pd(torque, _mm256_add_pd(_mm256_load_pd(torque), ti));
+        let torque = second.add(4);
+        _mm256_store_pd(second, _mm256_sub_pd(_mm256_load_pd(second), f));
+        _mm256_store_pd(torque, _mm256_add_pd(_mm256_load_pd(torque), tj));
     }
 }
 
@@ -355,11 +440,30 @@ impl Lanes for Pair {
     #[inline(always)]
     unsafe fn put_quads([x, y, z, w]: [Self; 4], to: *mut f64, p: &[u32; 8]) {
         unsafe {
-            for (k, v) in transpose(x.0, y.0, z.0, w.0).into_iter().enumerate() {
+            for (k, v) in lower_rows([x, y, z, w]).into_iter().enumerate() {
                 put_quad(to, p[k], v);
             }
-            for (k, v) in transpose(x.1, y.1, z.1, w.1).into_iter().enumerate() {
+            for (k, v) in upper_rows([x, y, z, w]).into_iter().enumerate() {
                 put_quad(to, p[k + 4], v);
+            }
+        }
+    }
+    #[inline(always)]
+    unsafe fn add_wrenches(
+        [f, ti, tj]: [[Self; 4]; 3],
+        to: *mut f64,
+        within: u32,
+        first: &[u32; 8],
+        second: &[u32; 8],
+    ) {
+        unsafe {
+            let [f4, ti4, tj4] = [lower_rows(f), lower_rows(ti), lower_rows(tj)];
+            for k in 0..4 {
+                add_pair(to, within, [first[k], second[k]], [f4[k], ti4[k], tj4[k]]);
+            }
+            let [f4, ti4, tj4] = [upper_rows(f), upper_rows(ti), upper_rows(tj)];
+            for k in 0..4 {
+                add_pair(to, within, [first[k + 4], second[k + 4]], [f4[k], ti4[k], tj4[k]]);
             }
         }
     }

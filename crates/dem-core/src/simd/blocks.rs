@@ -30,6 +30,17 @@ pub(super) trait Blocks: Numbers {
     /// # Safety
     /// All of them can be written.
     unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[[u32; 8]]);
+    /// As [`Lanes::add_wrenches`], block by block.
+    ///
+    /// # Safety
+    /// All of them can be read and written.
+    unsafe fn add_wrenches(
+        wrenches: [[Self; 4]; 3],
+        to: *mut f64,
+        within: u32,
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+    );
     /// As [`Lanes::differences`], block by block.
     ///
     /// # Safety
@@ -66,6 +77,17 @@ impl<V: Lanes> Blocks for V {
     unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[[u32; 8]]) {
         // SAFETY: by the caller.
         unsafe { <V as Lanes>::put_quads(fields, to, &at[0]) }
+    }
+    #[inline(always)]
+    unsafe fn add_wrenches(
+        wrenches: [[Self; 4]; 3],
+        to: *mut f64,
+        within: u32,
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+    ) {
+        // SAFETY: by the caller.
+        unsafe { <V as Lanes>::add_wrenches(wrenches, to, within, &first[0], &second[0]) }
     }
     #[inline(always)]
     unsafe fn differences(from: *const f64, of: &[[u32; 8]], less: &[[u32; 8]]) -> [Self; 4] {
@@ -214,6 +236,24 @@ impl<V: Lanes> Blocks for Two<V> {
         unsafe {
             <V as Lanes>::put_quads([x.0, y.0, z.0, w.0], to, &at[0]);
             <V as Lanes>::put_quads([x.1, y.1, z.1, w.1], to, &at[1]);
+        }
+    }
+    #[inline(always)]
+    unsafe fn add_wrenches(
+        [f, ti, tj]: [[Self; 4]; 3],
+        to: *mut f64,
+        within: u32,
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+    ) {
+        let low = |v: [Self; 4]| [v[0].0, v[1].0, v[2].0, v[3].0];
+        let high = |v: [Self; 4]| [v[0].1, v[1].1, v[2].1, v[3].1];
+        // SAFETY: by the caller.
+        unsafe {
+            let wrenches = [low(f), low(ti), low(tj)];
+            <V as Lanes>::add_wrenches(wrenches, to, within, &first[0], &second[0]);
+            let wrenches = [high(f), high(ti), high(tj)];
+            <V as Lanes>::add_wrenches(wrenches, to, within, &first[1], &second[1]);
         }
     }
     #[inline(always)]

@@ -107,6 +107,19 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// # Safety
     /// All of them can be written.
     unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[u32; 8]);
+    /// Add eight wrenches (force, torques on the first and on the second sphere, as fields) one after the other
+    /// to the sums of their spheres: of four times the place counts what is `within`, and twice that far lie
+    /// four numbers of force (the second sphere feels the opposite) and four of torque.
+    ///
+    /// # Safety
+    /// All of them can be read and written.
+    unsafe fn add_wrenches(
+        wrenches: [[Self; 4]; 3],
+        to: *mut f64,
+        within: u32,
+        first: &[u32; 8],
+        second: &[u32; 8],
+    );
     /// Four numbers from each of eight places on, less those from eight others on.
     ///
     /// # Safety

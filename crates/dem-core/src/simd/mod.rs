@@ -20,7 +20,7 @@ use std::any::Any;
 pub(crate) use clumps::{OnBodies, Placing, Turning};
 pub(crate) use hertz_mindlin::Features;
 pub(crate) use lanes::{Mask, Numbers, Quad, V3};
-pub(crate) use pairs::{PairKernel, Run};
+pub(crate) use pairs::{PairKernel, Run, Wrenches};
 pub(crate) use wall::WallRun;
 
 use crate::contact::cohesion::{Cohesionless, Sjkr};

@@ -10,6 +10,7 @@ use crate::forces::ChunkYield;
 use crate::list::lowest_bits;
 use crate::particles::Record;
 use crate::spheres::{ClumpView, SphereView, on_arm};
+use crate::sums::Pull;
 
 /// A run of touching pairs, in whole blocks.
 pub(crate) struct Run<'a> {
@@ -19,9 +20,15 @@ pub(crate) struct Run<'a> {
     pub(crate) second: &'a [u32],
     pub(crate) active: &'a mut [u8],
     pub(crate) memory: &'a mut [f64],
-    pub(crate) force: &'a mut [Record],
-    pub(crate) torque_first: &'a mut [Record],
-    pub(crate) torque_second: &'a mut [Record],
+    pub(crate) wrenches: Wrenches<'a>,
+}
+
+/// What becomes of wrenches.
+pub(crate) enum Wrenches<'a> {
+    /// Each is kept: force, torques on the first and on the second sphere.
+    Kept([&'a mut [Record]; 3]),
+    /// Both spheres add theirs to the sums of their places modulo the length, a power of two.
+    Summed(&'a mut [Pull]),
 }
 
 /// Blocks of eight contacts that are computed together: where the numbers of their spheres and their own in the
@@ -39,9 +46,15 @@ struct Block<'a> {
 #[derive(Clone, Copy)]
 struct Sinks {
     memory: *mut f64,
-    force: *mut f64,
-    torque_first: *mut f64,
-    torque_second: *mut f64,
+    wrenches: Sink,
+}
+
+#[derive(Clone, Copy)]
+enum Sink {
+    /// Force, torques on the first and on the second sphere.
+    Kept([*mut f64; 3]),
+    /// The sums, and what of four times a place counts.
+    Summed(*mut f64, u32),
 }
 
 /// What is the same for all pairs of spheres.
@@ -187,9 +200,15 @@ impl PairKernel<'_> {
         let nothing = std::hint::black_box(0.0);
         let sinks = Sinks {
             memory: run.memory.as_mut_ptr(),
-            force: run.force.as_mut_ptr().cast(),
-            torque_first: run.torque_first.as_mut_ptr().cast(),
-            torque_second: run.torque_second.as_mut_ptr().cast(),
+            wrenches: match &mut run.wrenches {
+                Wrenches::Kept(each) => {
+                    Sink::Kept(each.each_mut().map(|records| records.as_mut_ptr().cast()))
+                }
+                Wrenches::Summed(sums) => {
+                    assert!(sums.len().is_power_of_two(), "places are taken modulo the length");
+                    Sink::Summed(sums.as_mut_ptr().cast(), (sums.len() as u32 - 1) * 4)
+                }
+            },
         };
         let whole = acting.count.next_multiple_of(8);
         while done + 8 * V::COUNT <= whole {
@@ -226,8 +245,7 @@ impl PairKernel<'_> {
     /// Compute a block; returns which lanes overlap too deeply.
     ///
     /// # Safety
-    /// Every place in `first` and `second` of a block is that of a sphere; the sinks hold four numbers for each
-    /// of its pairs.
+    /// Every place in `first` and `second` of a block is that of a sphere; the sinks hold what its pairs write.
     #[inline(always)]
     unsafe fn block<V: Blocks, const FAST: bool, const MORE: bool>(
         &self,
@@ -313,7 +331,7 @@ impl PairKernel<'_> {
         let features = if MORE { self.features } else { Features::NONE };
         let out = respond::<V, FAST>(&motion, laws, features, V3::of(old), old[3], touching);
         // SAFETY: by the caller.
-        unsafe { store(b.pair, sinks, touching, &out, nothing) };
+        unsafe { store(&b, sinks, touching, &out, nothing) };
         V::bits(deep)
     }
 }
@@ -385,10 +403,10 @@ unsafe fn difference<V: Blocks>(
 }
 
 /// # Safety
-/// The sinks hold four numbers for each pair of the block.
+/// The sinks hold four numbers for each pair of the block, or sums for all that counts of a place.
 #[inline(always)]
 unsafe fn store<V: Blocks>(
-    pair: &[[u32; 8]],
+    b: &Block<'_>,
     sinks: Sinks,
     touching: V::Mask,
     out: &Out<V>,
@@ -396,15 +414,26 @@ unsafe fn store<V: Blocks>(
 ) {
     let zero = V::splat(nothing);
     let none = V3::splat(0.0);
-    let stiffness = out.stiffness.select(touching, zero);
-    for (v, scalar, to) in [
-        (out.spring, stiffness, sinks.memory),
-        (out.force, zero, sinks.force),
-        (out.torque_i, zero, sinks.torque_first),
-        (out.torque_j, zero, sinks.torque_second),
-    ] {
+    let record = |v: V3<V>, scalar: V| {
         let v = v.select(touching, none);
-        // SAFETY: by the caller.
-        unsafe { V::put_quads([v.x, v.y, v.z, scalar], to, pair) };
+        [v.x, v.y, v.z, scalar]
+    };
+    let stiffness = out.stiffness.select(touching, zero);
+    let wrench = [out.force, out.torque_i, out.torque_j];
+    // SAFETY: by the caller.
+    unsafe {
+        V::put_quads(record(out.spring, stiffness), sinks.memory, b.pair);
+        match sinks.wrenches {
+            Sink::Kept(to) => {
+                for (v, to) in wrench.into_iter().zip(to) {
+                    V::put_quads(record(v, zero), to, b.pair);
+                }
+            }
+            Sink::Summed(to, within) => {
+                let [f, ti, tj] = wrench;
+                let wrench = [record(f, zero), record(ti, zero), record(tj, zero)];
+                V::add_wrenches(wrench, to, within, b.first, b.second);
+            }
+        }
     }
 }

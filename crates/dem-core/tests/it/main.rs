@@ -13,5 +13,6 @@ mod lists;
 #[cfg(feature = "mesh")]
 mod meshes;
 mod observers;
+mod one_pass;
 mod scenes;
 mod walls;
