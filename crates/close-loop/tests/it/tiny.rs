@@ -151,7 +151,9 @@ fn a_coarse_stand_in_is_held_against_the_drum_and_the_answer_is_the_drums() {
         };
         let point = coarse.points.iter().find(same).unwrap();
         let said = point.measured - residual.value;
-        assert!((said - point.before).abs() < 3.0, "{said} {point:?}");
+        // Six frames of 420 beads tell the middle line to four degrees, and that is said.
+        let within = 3f64.max(1.5 * point.sd);
+        assert!((said - point.before).abs() < within, "{said} {point:?}");
     }
 }
 
