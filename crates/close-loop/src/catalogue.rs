@@ -55,6 +55,25 @@ pub struct Effect {
 }
 
 impl Effect {
+    /// An effect about which nothing matters but its path, for tests.
+    #[cfg(test)]
+    pub(crate) fn bare(path: &str) -> Self {
+        Self {
+            path: path.to_owned(),
+            layer: Layer::Physics,
+            null: 0.0,
+            probes: [0.0, 1.0],
+            range: (0.0, 4.0),
+            scale: Scale::Linear,
+            along: Vec::new(),
+            needs: Needs::Nothing,
+            roughness: 1.0,
+            prior: 1.0,
+            exposed_by: String::new(),
+            meaning: String::new(),
+        }
+    }
+
     /// Size of an error that is small where people look: a ring is found to a fraction of a percent, lines
     /// agree between readers to half a degree, a camera set by eye is level to a degree, a sieve or a caliper
     /// tells a diameter to 5 %, so that twice as much is a standard deviation. A larger error costs what it is

@@ -18,8 +18,8 @@ const BATCH: usize = 2;
 /// point for each filling that was measured.
 const KNOWN: f64 = 0.6;
 
-/// Runs near a point that are enough, for each filling that was measured but for the first: as long as nothing was run near other points, as long as others are open, and in
-/// any case. Where a valley leads is learnt from other places of it, not from more fillings of one.
+/// Runs near a point that are enough, of which the last two are for each filling that was measured: as long as nothing was
+/// run near other points, as long as others are open, and in any case. Where a valley leads is learnt from other places of it, not from more fillings of one.
 const ENOUGH: [usize; 3] = [1, 3, 6];
 
 /// Runs near a point of which it can be said what is there.
@@ -233,25 +233,15 @@ fn end(effect: &Effect, known: &[f64], failed: f64, sure: bool) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::catalogue::Needs;
     use crate::scale::Scale;
-    use calib::attribution::Layer;
 
     #[test]
     fn one_drum_that_fails_does_not_forbid_what_others_have_shown() {
         let effect = |null: f64, range: (f64, f64), scale: Scale| Effect {
-            path: "a.b".to_owned(),
-            layer: Layer::Physics,
             null,
-            probes: [0.0, 1.0],
             range,
             scale,
-            along: Vec::new(),
-            needs: Needs::Nothing,
-            roughness: 1.0,
-            prior: 1.0,
-            exposed_by: String::new(),
-            meaning: String::new(),
+            ..Effect::bare("a.b")
         };
         let cohesion = effect(0.0, (0.0, 4e4), Scale::Linear);
         let known = [2000.0, 8000.0, 12_000.0];

@@ -230,10 +230,7 @@ pub(crate) type ByEffect = BTreeMap<String, Vec<Sample>>;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::catalogue::Needs;
-    use crate::scale::Scale;
     use crate::stand_in::Fidelity;
-    use calib::attribution::Layer;
     use campaign::Sampling;
 
     const RIG: &str = r#"
@@ -253,22 +250,8 @@ glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
         let rig = Rig::parse("fillings.toml", RIG).unwrap();
         let cast = Cast::of(Fidelity::Case, false, &rig).unwrap();
         let runs = |seed| Runs::new(&lab, cast, seed);
-        let effect = |path: &str| Effect {
-            path: path.to_owned(),
-            layer: Layer::Physics,
-            null: 0.0,
-            probes: [1.0, 2.0],
-            range: (0.0, 4.0),
-            scale: Scale::Linear,
-            along: Vec::new(),
-            needs: Needs::Nothing,
-            roughness: 1.0,
-            prior: 1.0,
-            exposed_by: String::new(),
-            meaning: String::new(),
-        };
-        let (a, b) = ([effect("a")], [effect("b")]);
-        let both = [effect("a"), effect("b")];
+        let (a, b) = ([Effect::bare("a")], [Effect::bare("b")]);
+        let both = [Effect::bare("a"), Effect::bare("b")];
         let one = runs(1).filling_at(&a, &[0.3, 1.0], 0);
         assert_eq!(one, runs(1).filling_at(&a, &[0.3, 1.0], 0));
         let mut all = vec![
