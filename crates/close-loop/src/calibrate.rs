@@ -8,6 +8,9 @@ use crate::error::CloseLoopError;
 use crate::plan::Setup;
 use crate::runs::{fill_box, rig_at, sample};
 
+/// Independent frames that the variance of simulated frames counts for beside that of measured ones.
+const AS_FRAMES: f64 = 20.0;
+
 impl State<'_> {
     /// Fillings of each model that fresh runs go through.
     pub(crate) fn fillings(&self) -> usize {
@@ -54,9 +57,10 @@ impl State<'_> {
         for set in std::iter::once(&mut self.setup.observations).chain(held_out) {
             for (item, n) in set.items.iter().zip(&mut set.n_eff) {
                 let simulated = base.variance_of_frame(item.omega_rpm)[item.response.index()];
-                let quiet = simulated / (item.sd * item.sd);
-                let swings = base.swings(item.omega_rpm);
-                *n /= if coarse { swings } else { swings * quiet.max(1.0) };
+                *n /= base.swings(item.omega_rpm).max(1.0);
+                if !coarse {
+                    *n /= louder(*n, simulated / (item.sd * item.sd));
+                }
             }
         }
     }
@@ -143,5 +147,23 @@ impl State<'_> {
         let base = self.base_model()?;
         let solved = self.problem(&base).solve(0, 0)?;
         Ok(solved.estimates.iter().map(|e| e.value).collect())
+    }
+}
+
+/// Variance of one frame over the measured one, given that of simulations over the measured one: these count for as much as some
+/// frames, since few frames are quiet by chance and many are not.
+fn louder(frames: f64, simulated: f64) -> f64 {
+    1.0 + (simulated - 1.0).max(0.0) * AS_FRAMES / (frames + AS_FRAMES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_frames_are_believed_that_a_bed_is_quiet() {
+        assert_eq!(louder(100.0, 0.7), 1.0);
+        assert!((louder(5.0, 3.0) - 2.6).abs() < 1e-12);
+        assert!((louder(80.0, 1.5) - 1.1).abs() < 1e-12);
     }
 }

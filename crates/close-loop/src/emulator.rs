@@ -11,6 +11,13 @@ use crate::process::{Local, Process, witnesses};
 use crate::scale::Scale;
 use crate::speeds::weights;
 
+/// How near a point runs tell how runs scatter there, units: a standard deviation.
+const NEAR: f64 = 0.5;
+/// The same where too few lie as near.
+const WIDE: f64 = 1.0;
+/// Witnesses that are enough.
+const ENOUGH: f64 = 12.0;
+
 /// One coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
@@ -88,23 +95,20 @@ impl Emulator {
         point: Option<&[f64]>,
     ) -> Result<Self, CalibError> {
         let (coded, mean, excess) = runs(&axes, &origin, samples)?;
-        let weight: Vec<f64> = match point {
-            Some(point) => samples.iter().map(|s| nearness(&axes, &s.at, point)).collect(),
-            None => vec![1.0; samples.len()],
-        };
+        let weight = point.map_or_else(|| vec![1.0; samples.len()], |p| about(&axes, samples, p));
         let point = point.map_or_else(|| vec![0.0; axes.len()], |p| code(&axes, &origin, p));
         let all: f64 = weight.iter().sum();
-        let about = |of: &dyn Fn(&Sample) -> f64| {
+        let average = |of: &dyn Fn(&Sample) -> f64| {
             samples.iter().zip(&weight).map(|(s, w)| w * of(s)).sum::<f64>() / all
         };
         let frames = (0..knots.len())
             .map(|k| {
-                let of = |r: usize, c: usize| about(&|s| s.covariance[k][r][c]);
+                let of = |r: usize, c: usize| average(&|s| s.covariance[k][r][c]);
                 std::array::from_fn(|r| std::array::from_fn(|c| of(r, c)))
             })
             .collect();
         let variance = (0..knots.len())
-            .map(|k| std::array::from_fn(|r| about(&|s| s.variance[k][r])))
+            .map(|k| std::array::from_fn(|r| average(&|s| s.variance[k][r])))
             .collect();
         let (alongside, witnesses) = (alongside(&knots)?, witnesses(&weight));
         let process = Process::fit((coded, excess), &point, &mean, frames, &alongside, &weight)?;
@@ -255,7 +259,7 @@ impl Emulator {
         self.process.scatter.shift
     }
 
-    /// Variance of a mean over what its frames show, at any speed: slow swings of the bed.
+    /// Variance of a mean over what its frames show, at any speed; above 1 for slow swings of the bed.
     pub fn swings(&self, omega_rpm: f64) -> f64 {
         self.linear(omega_rpm, |k| self.process.scatter.swings[k])
     }
@@ -460,9 +464,14 @@ fn runs<'s>(axes: &[Axis], origin: &[f64], samples: &'s [Sample]) -> Result<Code
     Ok((coded, samples.iter().map(|s| &s.mean[..]).collect(), excess))
 }
 
-/// Weight of a run in what is told of a point: a standard deviation is one unit.
-fn nearness(axes: &[Axis], a: &[f64], b: &[f64]) -> f64 {
-    (-0.5 * distance_squared(&place(axes, a), &place(axes, b))).exp()
+/// Weights of runs in what is told of a point: nearer than any others if enough of them lie there.
+fn about(axes: &[Axis], samples: &[Sample], point: &[f64]) -> Vec<f64> {
+    let point = place(axes, point);
+    let apart = |s: &Sample| distance_squared(&place(axes, &s.at), &point);
+    let within =
+        |width: f64| samples.iter().map(|s| (-0.5 * apart(s) / (width * width)).exp()).collect();
+    let near: Vec<f64> = within(NEAR);
+    if witnesses(&near) < ENOUGH { within(WIDE) } else { near }
 }
 
 /// Squared distance of two points.

@@ -50,6 +50,8 @@ const SHIFT: (f64, f64) = (0.3, 1.0);
 const LEAST_RUNS: f64 = 8.0;
 /// Shift that few runs which show less are drawn towards, deg or percent of R: what fillings of one volume were seen to have.
 const USUAL: f64 = 0.15;
+/// Least variance of a mean over what its frames show.
+const LEAST_SWINGS: f64 = 0.5;
 /// Part of a correlation of shifts that many runs are sure of.
 const SURE: f64 = 0.9;
 /// Number of runs that are sure of half of that.
@@ -88,7 +90,8 @@ pub(crate) struct Scatter {
     /// Correlation of the shifts of two responses: a bed that lies higher has its centre of area higher and both
     /// angles lower.
     pub(crate) together: [[f64; 4]; 4],
-    /// Variance of a mean over what its frames show, by knot; 1 or more.
+    /// Variance of a mean over what its frames show, by knot: more than 1 where a bed swings slowly, less where it swings to
+    /// and fro from frame to frame, which a number of independent frames that is at most that of all frames does not count.
     pub(crate) swings: Vec<f64>,
     /// Covariance of a run's means without the shift, by knot: that of its frames times the former.
     pub(crate) frames: Vec<[[f64; 4]; 4]>,
@@ -220,15 +223,21 @@ impl Process {
         // one speed there is nothing to tell shifts by.
         let product = |r: usize, s: usize| {
             let (mut sum, mut count) = (0.0, 0.0f64);
+            // A speed at which runs scatter widely says little of what all speeds share.
+            let wide = |k: usize, r: usize| mean(&|i| missed(k, r, i).0.powi(2)).max(FLOOR);
             for k in 0..knots {
                 for l in (0..knots).filter(|l| *l != k) {
+                    let trust = 1.0 / (wide(k, r) * wide(l, s));
                     let both: f64 =
                         alongside[k].iter().zip(&alongside[l]).map(|(a, b)| a * b).sum();
-                    sum += mean(&|i| {
-                        let ignorance = BESIDE[r][s] * both * unknown[k][r][i] * unknown[l][s][i];
-                        missed(k, r, i).0 * missed(l, s, i).0 - ignorance
-                    });
-                    count += mean(&|i| 1.0 + (of_others[k][r][i] * of_others[l][s][i]).sqrt());
+                    sum += trust
+                        * mean(&|i| {
+                            let ignorance =
+                                BESIDE[r][s] * both * unknown[k][r][i] * unknown[l][s][i];
+                            missed(k, r, i).0 * missed(l, s, i).0 - ignorance
+                        });
+                    count +=
+                        trust * mean(&|i| 1.0 + (of_others[k][r][i] * of_others[l][s][i]).sqrt());
                 }
             }
             (count > 0.0).then(|| sum / count)
@@ -260,7 +269,9 @@ impl Process {
                     sum += weight * (seen - shift) / frame;
                     weights += weight;
                 }
-                (sum / weights).max(1.0)
+                // Few runs that happen to lie far or close do not show that their frames say too little or too much.
+                let seen = (runs * (sum / weights).max(0.0) + HALF_SURE) / (runs + HALF_SURE);
+                seen.max(LEAST_SWINGS)
             })
             .collect();
         let of_means = |(f, s): (&[[f64; 4]; 4], &f64)| f.map(|row| row.map(|v| v * s));
