@@ -53,7 +53,7 @@ pub struct Emulator {
     axes: Vec<Axis>,
     origin: Vec<f64>,
     knots: Vec<f64>,
-    /// Factor of the correlation of what is not known at the knots.
+    /// Factor of the covariance of what is not known at the knots, in units of what the surface says.
     alongside: Vec<Vec<f64>>,
     /// Runs that tell how runs scatter about the point of use.
     witnesses: f64,
@@ -198,7 +198,10 @@ impl Emulator {
             })
             .collect();
         let unknown = knots()
-            .map(|(k, (_, own))| with(own, 1.0, both(stand_in.shared[k], stand_in.unknown[k])))
+            .map(|(k, (_, own))| {
+                let missed = stand_in.unknown[k].map(|u| self.missed(k) * u);
+                with(own, 1.0, both(stand_in.shared[k], missed))
+            })
             .collect();
         Anchor { at: place(&self.axes, at), mean, noise, unknown }
     }
@@ -330,11 +333,17 @@ impl Emulator {
         for (k, (_, covariance)) in local.at.iter().enumerate() {
             for (r, row) in covariance.iter().enumerate() {
                 let run = self.frames()[k][r][r] + self.process.scatter.shift[r].powi(2);
-                let own = row[r] + local.shared[k][r].powi(2) + local.unknown[k][r].powi(2);
+                let unknown = self.missed(k) * local.unknown[k][r];
+                let own = row[r] + local.shared[k][r].powi(2) + unknown.powi(2);
                 sum += 0.25 * own / run.max(f64::MIN_POSITIVE);
             }
         }
         sum * self.fillings / self.knots.len() as f64
+    }
+
+    /// What the surface misses at a knot over what it says that it does not know.
+    fn missed(&self, knot: usize) -> f64 {
+        self.alongside[knot].iter().map(|f| f * f).sum::<f64>().sqrt()
     }
 
     /// Distance of two points, units.

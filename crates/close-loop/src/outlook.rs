@@ -17,14 +17,14 @@ const WORTH: f64 = 4.0;
 
 /// Part of what ignorance costs a place that counts against it where an effect is surveyed: little, since friction leads
 /// data along the valley of an effect and not anywhere, so that a far end of it is more probable than its deviance says.
-const DOUBTED: f64 = 0.2;
+pub(crate) const DOUBTED: f64 = 0.2;
 
 /// By how much less chi-square an effect has to promise for every run that it has had, to be surveyed before another.
-const TURN: f64 = 3.0;
+pub(crate) const TURN: f64 = 3.0;
 
 /// By how much chi-square may fall short of what is expected of a place about which little is known: some
 /// two standard deviations of twenty data.
-const LUCK: f64 = 12.0;
+pub(crate) const LUCK: f64 = 12.0;
 
 /// A point of one effect.
 pub(crate) struct Place<'m> {

@@ -1,7 +1,7 @@
 //! Two effects together: simulated where their signatures alone would explain the data.
 
 use calib::CalibError;
-use calib::attribution::{PairFit, Settings};
+use calib::attribution::{Fit, PairFit, Settings};
 
 use crate::anchors::Whole;
 use crate::catalogue::Effect;
@@ -10,7 +10,11 @@ use crate::confirm::Learned;
 use crate::driver::{State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::refine::{Asked, TOLD};
+use crate::outlook::{DOUBTED, LUCK, TURN};
+use crate::refine::{Asked, ENOUGH, FORLORN, TOLD};
+
+/// Pairs of either kind that are looked into.
+const SHORT: usize = 16;
 
 impl State<'_> {
     /// Models of the pairs that were simulated, by their names.
@@ -18,9 +22,22 @@ impl State<'_> {
         &self,
         base: &Emulator,
     ) -> Result<Vec<([String; 2], Coded)>, CalibError> {
+        let seen: Vec<[String; 2]> = self.pairs.keys().cloned().collect();
+        self.pair_models_of(base, &seen)
+    }
+
+    /// Models of pairs, whether or not anybody has run both effects together; none of a reading or a camera.
+    fn pair_models_of(
+        &self,
+        base: &Emulator,
+        pairs: &[[String; 2]],
+    ) -> Result<Vec<([String; 2], Coded)>, CalibError> {
         let mut models = Vec::new();
-        for (names, own) in &self.pairs {
-            if let Some([a, b]) = self.both(names) {
+        for names in pairs {
+            if let Some([a, b]) = self.both(names)
+                && [a, b].into_iter().all(is_simulated)
+            {
+                let own = self.pairs.get(names).map_or(&[][..], |s| &s[..]);
                 let model = self.pair_model(base, [a, b], own)?;
                 models.push((names.clone(), Coded::new(&[a, b], Model::Runs(model))));
             }
@@ -67,35 +84,91 @@ impl State<'_> {
         settings: &Settings,
         watch: &mut dyn FnMut(&Told),
     ) -> Result<(), CloseLoopError> {
-        self.look(most, watch, |state, count| state.doubtful_pairs(count, settings))
+        let short = self.short_list(settings)?;
+        self.look(most, watch, |state, count| state.doubtful_pairs(&short, count, settings))
     }
 
-    /// Best points of the pairs that may explain the data best and of which too little is known there.
-    fn doubtful_pairs(&self, count: usize, settings: &Settings) -> Result<Vec<Asked>, CalibError> {
+    /// Pairs that may explain the data, by what is known of each effect alone. Of two effects that are simulated nobody
+    /// knows what they do together: their model says how little, so that they are listed by the least chi-square
+    /// with most of that forgiven. A reading or a camera adds to an effect what it does without it.
+    fn short_list(&self, settings: &Settings) -> Result<Vec<[String; 2]>, CalibError> {
         let base = self.base_model()?;
         let models = self.models(&base)?;
-        let pairs = self.pair_models(&base)?;
-        let fits = self.question(&base, &models, &pairs, settings).pair_fits()?;
-        let mut limit = f64::INFINITY;
-        let mut points: Vec<Asked> = Vec::new();
-        for fit in fits.iter().filter(|f| f.eligible) {
-            if points.len() == count || fit.fit.deviance > limit {
-                break;
-            }
-            match self.asked(&base, &models, fit)? {
-                Some(asked) => points.push(asked),
-                None => limit = limit.min(fit.fit.deviance + settings.class_deviance()),
+        let names: Vec<&Effect> = models.iter().map(|(e, _)| *e).collect();
+        let (mut simulated, mut others) = (Vec::new(), Vec::new());
+        for (k, a) in names.iter().enumerate() {
+            for b in &names[k + 1..] {
+                let both = [a.path.clone(), b.path.clone()];
+                let of_runs = is_simulated(a) && is_simulated(b);
+                if of_runs { simulated.push(both) } else { others.push(both) }
             }
         }
-        Ok(points)
+        let together = self.pair_models_of(&base, &simulated)?;
+        let question = self.question(&base, &models, &together, settings);
+        let mut short = Vec::new();
+        let (without, mut fits) = question.pair_fits(Some(&simulated))?;
+        fits.retain(|f| promises(&without, &f.fit));
+        fits.sort_by(|a, b| doubted(&a.fit).total_cmp(&doubted(&b.fit)));
+        short.extend(fits.into_iter().take(SHORT).map(|f| f.names));
+        let (_, fits) = question.pair_fits(Some(&others))?;
+        let fits = fits.into_iter().filter(|f| f.eligible);
+        short.extend(fits.take(SHORT).map(|f| f.names));
+        Ok(short)
     }
 
-    /// The run that would tell most of a pair at its best point; `None` if it is known there.
+    /// Best points of the pairs that may explain the data and of which too little is known there, those that promise most
+    /// for the runs that they have had.
+    fn doubtful_pairs(
+        &self,
+        short: &[[String; 2]],
+        count: usize,
+        settings: &Settings,
+    ) -> Result<Vec<Asked>, CalibError> {
+        let base = self.base_model()?;
+        let models = self.models(&base)?;
+        let pairs = self.pair_models_of(&base, short)?;
+        let (without, mut fits) =
+            self.question(&base, &models, &pairs, settings).pair_fits(Some(short))?;
+        // Only what may be as good as something known that fits is worth a run.
+        let mut limit = f64::INFINITY;
+        for fit in fits.iter().filter(|f| f.eligible) {
+            if self.asked(&base, &models, fit, TOLD)?.is_none() {
+                limit = limit.min(fit.fit.deviance + settings.class_deviance());
+            }
+        }
+        let sure = without.deviance - without.chi2;
+        fits.retain(|f| promises(&without, &f.fit) && f.fit.chi2 + sure <= limit + LUCK);
+        let turn = |f: &PairFit| doubted(&f.fit) + TURN * self.made(&f.names) as f64;
+        fits.sort_by(|a, b| turn(a).total_cmp(&turn(b)));
+        for enough in [TOLD, ENOUGH[2]] {
+            let mut points = Vec::new();
+            for fit in &fits {
+                points.extend(self.asked(&base, &models, fit, enough)?);
+                if points.len() == count {
+                    break;
+                }
+            }
+            if !points.is_empty() {
+                return Ok(points);
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// Runs of a pair that were made or failed.
+    fn made(&self, names: &[String; 2]) -> usize {
+        let lost = self.lost.get(&names[..]).map_or(0, Vec::len);
+        self.pairs.get(names).map_or(0, Vec::len) + lost
+    }
+
+    /// The run that would tell most of a pair at its best point; `None` if it is known there, or has been told by
+    /// as many runs as are enough.
     fn asked(
         &self,
         base: &Emulator,
         models: &[(&Effect, Coded)],
         fit: &PairFit,
+        enough: usize,
     ) -> Result<Option<Asked>, CalibError> {
         let Some([a, b]) = self.both(&fit.names) else { return Ok(None) };
         let coded = |e: &Effect| models.iter().find(|(m, _)| m.path == e.path).map(|(_, c)| c);
@@ -115,7 +188,7 @@ impl State<'_> {
             [(e, _), (f, _)] => self.pair_model(base, [e, f], own)?,
             _ => return Ok(None),
         };
-        let known = self.settled(&effects, &model, &at, TOLD);
+        let known = self.settled(&effects, &model, &at, enough);
         Ok((!known).then_some(Asked { effects, at }))
     }
 
@@ -166,6 +239,16 @@ impl State<'_> {
     }
 }
 
+/// Whether a model that knows little may turn out to explain the data, and better than the base does.
+fn promises(without: &Fit, fit: &Fit) -> bool {
+    fit.p > FORLORN && fit.chi2 < without.chi2
+}
+
+/// Deviance with little of what ignorance costs.
+fn doubted(fit: &Fit) -> f64 {
+    fit.chi2 + DOUBTED * (fit.deviance - fit.chi2)
+}
+
 #[cfg(test)]
 mod tests {
     use campaign::{Laboratory, Sampling};
@@ -199,6 +282,57 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
 50,30,1,31,1,10,0.5,15,0.5,20
 80,30,1,31,1,10,0.5,15,0.5,20
 ";
+
+    #[test]
+    fn what_two_effects_do_together_is_unknown_until_somebody_has_run_both() {
+        let folder = tempfile::tempdir().unwrap();
+        let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+        let case = Case::parse("case.toml", CASE).unwrap();
+        let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
+        let setup = Setup::new(&case, &measured, &LoopSettings::default()).unwrap();
+        let runs = Runs::new(&lab, setup.cast, 1);
+        let mut state = State::new(setup, Effort::nothing(), 0, runs);
+        let run = |friction: f64, strengths: &[f64], more: f64| {
+            let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-3));
+            let lin = 30.0 + 6.0 * (friction / 0.5).ln() + more;
+            Sample {
+                at: [friction].iter().chain(strengths).copied().collect(),
+                mean: vec![[lin, lin + 1.0, 10.0, 15.0]; 2],
+                covariance: vec![noise; 2],
+                variance: vec![[0.1; 4]; 2],
+                excess: 0.0,
+            }
+        };
+        let frictions = [0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7];
+        state.base = frictions.iter().map(|f| run(*f, &[], 0.0)).collect();
+        let [a, b, camera] = ["cohesion.energy_density_j_m3", "speed.scale", "camera.roll_deg"];
+        let does = |s: f64| s / 1000.0;
+        let cohesive = [2000.0, 4000.0, 6000.0].map(|s| run(0.5, &[s], does(s)));
+        let fast = [1.1, 1.2, 1.3].map(|s| run(0.5, &[s], 10.0 * (s - 1.0)));
+        state.effects.insert(a.to_owned(), cohesive.to_vec());
+        state.effects.insert(b.to_owned(), fast.to_vec());
+        let base = state.base_model().unwrap();
+        let names = [a, b].map(str::to_owned);
+        let asked = [names.clone(), [a, camera].map(str::to_owned)];
+        let models = |state: &State<'_>| state.pair_models_of(&base, &asked).unwrap();
+        let unknown = |state: &State<'_>, at: &[f64]| {
+            let models = models(state);
+            let Model::Runs(model) = &models[0].1.inner else { panic!("no surface") };
+            let local = model.moments(at);
+            (local.at[0].0[0], local.unknown[0][0])
+        };
+        // A camera needs no runs of both.
+        assert_eq!(models(&state).len(), 1);
+        assert!(state.pair_models(&base).unwrap().is_empty());
+        let (_, alone) = unknown(&state, &[0.5, 6000.0, 1.0]);
+        let (_, both) = unknown(&state, &[0.5, 6000.0, 1.3]);
+        assert!(alone < 0.2 && both > 4.0 * alone, "{alone} {both}");
+        // They do less together than they add up to: 7 deg, not 9.
+        state.pairs.insert(names, vec![run(0.5, &[6000.0, 1.3], 7.0)]);
+        let (mean, seen) = unknown(&state, &[0.5, 6000.0, 1.3]);
+        assert!((mean - 37.0).abs() < 0.5 && seen < 0.3 * both, "{mean} {seen}");
+        assert_eq!(state.pair_models(&base).unwrap().len(), 1);
+    }
 
     #[test]
     fn fresh_runs_that_refute_a_pair_are_what_its_model_is_first_made_of() {

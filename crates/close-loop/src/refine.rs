@@ -20,7 +20,7 @@ const KNOWN: f64 = 0.6;
 
 /// Runs near a point that are enough, of which the last two are for each filling that was measured: as long as nothing was
 /// run near other points, as long as others are open, and in any case. Where a valley leads is learnt from other places of it, not from more fillings of one.
-const ENOUGH: [usize; 3] = [1, 3, 6];
+pub(crate) const ENOUGH: [usize; 3] = [1, 3, 6];
 
 /// Runs near a point of which it can be said what is there.
 pub(crate) const TOLD: usize = ENOUGH[1];

@@ -81,14 +81,18 @@ impl Attribution<'_> {
         report::trials(self, k, thetas)
     }
 
-    /// Best fit of every pair, best deviance first, without any test; `eligible` says only that it fits and
-    /// that neither strength is absent or at an end of its range.
+    /// Best fit of the base, and of every pair, or of those given by names in the order of the candidates, best deviance
+    /// first, without any test; `eligible` says only that it fits and that neither strength is absent or at an end of its
+    /// range. Their deviance holds what strengths cost by their priors.
     ///
     /// # Errors
     /// As [`Attribution::attribute`].
-    pub fn pair_fits(&self) -> Result<Vec<PairFit>, CalibError> {
+    pub fn pair_fits(
+        &self,
+        among: Option<&[[String; 2]]>,
+    ) -> Result<(Fit, Vec<PairFit>), CalibError> {
         self.check()?;
-        report::pair_fits(self)
+        report::pair_fits(self, among)
     }
 
     /// Only the verdict, by a bootstrap that stops early where nothing is missing: for studies

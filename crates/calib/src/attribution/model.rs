@@ -102,6 +102,11 @@ impl<'s> Model<'s> {
         Ok(model)
     }
 
+    /// Whether it is one simulator's, not a sum of signatures.
+    pub(super) fn is_whole(&self) -> bool {
+        !matches!(self.kind, Kind::Two { .. })
+    }
+
     pub(super) fn len(&self) -> usize {
         self.ranges.len()
     }

@@ -302,7 +302,8 @@ pub(super) fn fits<'s>(
         .into_iter()
         .map(|s| frictions.iter().copied().chain(s).collect())
         .collect();
-    if of.len() == 1 {
+    // Of added signatures only the best friction without them is tried: there are many pairs.
+    if of.len() == 1 || model.is_whole() {
         // With a strong effect the best friction may lie far from that without it, beyond a worse optimum.
         for friction in OTHER_FRICTIONS {
             let elsewhere = |s: Vec<f64>| frictions.iter().map(|_| friction).chain(s).collect();
@@ -362,7 +363,7 @@ fn fit_pairs<'s>(
     let unknown = unknown(&case.base, &case.data, base)? + settings.prior_unknown.ln();
     let prior = (settings.prior_pairs / count).ln();
     let mut pairs = Vec::new();
-    for mut judged in pairs_fitted(case, base)? {
+    for mut judged in pairs_fitted(case, base, |_, _| true)? {
         let needed =
             judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.deviance() > within));
         let probable = laplace(&judged.fit) + prior > unknown;
@@ -400,10 +401,11 @@ fn lacks_neither(
     Ok(true)
 }
 
-/// Best fit of every pair, best deviance first, not judged yet.
+/// Best fit of every pair that is `wanted`, best deviance first, not judged yet.
 pub(super) fn pairs_fitted<'s>(
     case: &Case<'_, 's>,
     base: &Settled,
+    wanted: impl Fn(&str, &str) -> bool,
 ) -> Result<Vec<Judged<'s>>, CalibError> {
     let problem = &case.attribution.base;
     let candidates = &case.attribution.candidates;
@@ -411,6 +413,9 @@ pub(super) fn pairs_fitted<'s>(
     let mut pairs = Vec::new();
     for a in 0..candidates.len() {
         for b in a + 1..candidates.len() {
+            if !wanted(&candidates[a].name, &candidates[b].name) {
+                continue;
+            }
             let model = Model::pair(problem, &candidates[a], &candidates[b], together)?;
             if case.data.len() > model.len() {
                 pairs.push(fit(case, &model, &[a, b], base)?);

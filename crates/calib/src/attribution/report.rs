@@ -120,17 +120,25 @@ pub(super) fn trials(
     thetas.iter().map(one).collect()
 }
 
-/// Best fits of every pair.
-pub(super) fn pair_fits(attribution: &Attribution<'_>) -> Result<Vec<PairFit>, CalibError> {
+/// Best fits of the base and of pairs.
+pub(super) fn pair_fits(
+    attribution: &Attribution<'_>,
+    among: Option<&[[String; 2]]>,
+) -> Result<(Fit, Vec<PairFit>), CalibError> {
     let observations = &attribution.base.observations;
     let case = Case::new(attribution, observations, Variation::default(), true)?;
     let base = case.fit_base()?;
-    let pairs = pairs_fitted(&case, &base)?;
+    let wanted =
+        |a: &str, b: &str| among.is_none_or(|all| all.iter().any(|[c, d]| a == c && b == d));
     let one = |j: &Judged<'_>| {
         let fits = j.inside() && j.p_absolute > attribution.settings.level;
-        pair_fit(&case, j, fits)
+        let mut own = pair_fit(&case, j, fits)?;
+        own.fit.deviance += j.penalty;
+        Ok(own)
     };
-    pairs.iter().map(one).collect()
+    let pairs = pairs_fitted(&case, &base, wanted)?;
+    let fits = pairs.iter().map(one).collect::<Result<_, CalibError>>()?;
+    Ok((report_fit(&case, &case.base, &base)?, fits))
 }
 
 fn pair_fit(
