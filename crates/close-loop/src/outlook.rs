@@ -163,7 +163,7 @@ fn misfit(trial: &Trial) -> f64 {
 }
 
 /// Deviance with little of what ignorance costs.
-fn doubted(trial: &Trial) -> f64 {
+pub(crate) fn doubted(trial: &Trial) -> f64 {
     let misfit = misfit(trial);
     misfit + DOUBTED * (trial.deviance - misfit)
 }

@@ -1,7 +1,7 @@
 //! Two effects together: simulated where their signatures alone would explain the data.
 
 use calib::CalibError;
-use calib::attribution::{Fit, PairFit, Settings};
+use calib::attribution::{PairFit, PairPlace, Settings};
 
 use crate::anchors::Whole;
 use crate::catalogue::Effect;
@@ -10,11 +10,15 @@ use crate::confirm::Learned;
 use crate::driver::{State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::outlook::{DOUBTED, LUCK, TURN};
-use crate::refine::{Asked, ENOUGH, FORLORN, TOLD};
+use crate::outlook::{DOUBTED, LUCK, TURN, doubted};
+use crate::refine::{Asked, ENOUGH, TOLD};
 
 /// Pairs of either kind that are looked into.
 const SHORT: usize = 16;
+
+/// Parts of the range of a friction at which the strengths of pairs are fitted: the truth often lies far along a valley of
+/// frictions, where surfaces that know little do not expect it.
+const FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
 impl State<'_> {
     /// Models of the pairs that were simulated, by their names.
@@ -107,8 +111,9 @@ impl State<'_> {
         let question = self.question(&base, &models, &together, settings);
         let mut short = Vec::new();
         let (without, mut fits) = question.pair_fits(Some(&simulated))?;
-        fits.retain(|f| promises(&without, &f.fit));
-        fits.sort_by(|a, b| doubted(&a.fit).total_cmp(&doubted(&b.fit)));
+        fits.retain(|f| f.fit.chi2 < without.chi2);
+        let order = |f: &PairFit| f.fit.chi2 + DOUBTED * (f.fit.deviance - f.fit.chi2);
+        fits.sort_by(|a, b| order(a).total_cmp(&order(b)));
         short.extend(fits.into_iter().take(SHORT).map(|f| f.names));
         let (_, fits) = question.pair_fits(Some(&others))?;
         let fits = fits.into_iter().filter(|f| f.eligible);
@@ -127,25 +132,37 @@ impl State<'_> {
         let base = self.base_model()?;
         let models = self.models(&base)?;
         let pairs = self.pair_models_of(&base, short)?;
-        let (without, mut fits) =
-            self.question(&base, &models, &pairs, settings).pair_fits(Some(short))?;
+        let question = self.question(&base, &models, &pairs, settings);
+        let (without, fits) = question.pair_fits(Some(short))?;
         // Only what may be as good as something known that fits is worth a run.
         let mut limit = f64::INFINITY;
         for fit in fits.iter().filter(|f| f.eligible) {
-            if self.asked(&base, &models, fit, TOLD)?.is_none() {
+            if self.asked(&base, &models, (&fit.names, &fit.fit.theta), TOLD)?.is_none() {
                 limit = limit.min(fit.fit.deviance + settings.class_deviance());
             }
         }
         let sure = without.deviance - without.chi2;
-        fits.retain(|f| promises(&without, &f.fit) && f.fit.chi2 + sure <= limit + LUCK);
-        let turn = |f: &PairFit| doubted(&f.fit) + TURN * self.made(&f.names) as f64;
-        fits.sort_by(|a, b| turn(a).total_cmp(&turn(b)));
+        let mut places = question.pair_places(short, &FRICTIONS)?;
+        places.retain(|p| {
+            p.trial.chi2 < without.chi2 && p.trial.chi2 + p.trial.penalty + sure <= limit + LUCK
+        });
+        let turn = |p: &PairPlace| doubted(&p.trial) + TURN * self.made(&p.names) as f64;
+        places.sort_by(|a, b| turn(a).total_cmp(&turn(b)));
         for enough in [TOLD, ENOUGH[2]] {
-            let mut points = Vec::new();
-            for fit in &fits {
-                points.extend(self.asked(&base, &models, fit, enough)?);
+            let mut points: Vec<Asked> = Vec::new();
+            let mut taken: Vec<&[String; 2]> = Vec::new();
+            for place in &places {
                 if points.len() == count {
                     break;
+                }
+                if taken.contains(&&place.names) {
+                    continue;
+                }
+                if let Some(asked) =
+                    self.asked(&base, &models, (&place.names, &place.theta), enough)?
+                {
+                    points.push(asked);
+                    taken.push(&place.names);
                 }
             }
             if !points.is_empty() {
@@ -167,18 +184,18 @@ impl State<'_> {
         &self,
         base: &Emulator,
         models: &[(&Effect, Coded)],
-        fit: &PairFit,
+        (names, theta): (&[String; 2], &[f64]),
         enough: usize,
     ) -> Result<Option<Asked>, CalibError> {
-        let Some([a, b]) = self.both(&fit.names) else { return Ok(None) };
+        let Some([a, b]) = self.both(names) else { return Ok(None) };
         let coded = |e: &Effect| models.iter().find(|(m, _)| m.path == e.path).map(|(_, c)| c);
-        let theta = &fit.fit.theta[..self.setup.free.len()];
+        let (theta, strengths) = theta.split_at(self.setup.free.len());
         // Readings and cameras add to what an effect does; the effect itself must be known there.
         let simulated: Vec<(&Effect, f64)> = [a, b]
             .into_iter()
-            .zip(fit.strengths)
+            .zip(strengths)
             .filter(|(e, _)| is_simulated(e))
-            .filter_map(|(e, v)| Some((e, coded(e)?.strength(v.value))))
+            .filter_map(|(e, v)| Some((e, coded(e)?.strength(*v))))
             .collect();
         let at: Vec<f64> = theta.iter().copied().chain(simulated.iter().map(|(_, s)| *s)).collect();
         let effects: Vec<Effect> = simulated.iter().map(|(e, _)| (*e).clone()).collect();
@@ -237,16 +254,6 @@ impl State<'_> {
             }
         }
     }
-}
-
-/// Whether a model that knows little may turn out to explain the data, and better than the base does.
-fn promises(without: &Fit, fit: &Fit) -> bool {
-    fit.p > FORLORN && fit.chi2 < without.chi2
-}
-
-/// Deviance with little of what ignorance costs.
-fn doubted(fit: &Fit) -> f64 {
-    fit.chi2 + DOUBTED * (fit.deviance - fit.chi2)
 }
 
 #[cfg(test)]

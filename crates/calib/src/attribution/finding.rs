@@ -181,6 +181,17 @@ pub struct PairFit {
     pub eligible: bool,
 }
 
+/// Two effects at one friction, their strengths fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairPlace {
+    /// Candidates.
+    pub names: [String; 2],
+    /// Frictions, then both strengths.
+    pub theta: Vec<f64>,
+    /// How well they explain the data there.
+    pub trial: Trial,
+}
+
 /// Posterior probability of one hypothesis.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

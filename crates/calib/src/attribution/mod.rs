@@ -23,8 +23,8 @@ mod stability;
 pub use candidate::{Candidate, CodeCovariance, Experiment, Layer, PairModel, Settings};
 pub use finding::{
     CollinearClass, Detectable, Evidence, Finding, Fit, Gate, HeldOut, HeldOutResponse,
-    NextExperiment, Overturn, PairFit, Ranked, ResidualPoint, StabilityRow, Strength, Trial,
-    Verdict,
+    NextExperiment, Overturn, PairFit, PairPlace, Ranked, ResidualPoint, StabilityRow, Strength,
+    Trial, Verdict,
 };
 
 pub use ranking::at_the_end;
@@ -93,6 +93,20 @@ impl Attribution<'_> {
     ) -> Result<(Fit, Vec<PairFit>), CalibError> {
         self.check()?;
         report::pair_fits(self, among)
+    }
+
+    /// Pairs, given by names in the order of the candidates, at their best fit and with the first friction held at these parts
+    /// of its range: to see where along a valley of such fits little is known.
+    ///
+    /// # Errors
+    /// As [`Attribution::attribute`].
+    pub fn pair_places(
+        &self,
+        among: &[[String; 2]],
+        parts: &[f64],
+    ) -> Result<Vec<PairPlace>, CalibError> {
+        self.check()?;
+        report::pair_places(self, among, parts)
     }
 
     /// Only the verdict, by a bootstrap that stops early where nothing is missing: for studies

@@ -6,11 +6,11 @@ use super::model::Model;
 use super::next;
 use super::ranking::{self, Decision, Judged, decide, pairs_fitted};
 use super::signature::{classes, cosines, detectable, signatures};
-use super::solver::Settled;
+use super::solver::{Settled, held};
 use super::stability::{self, overturn};
 use super::{
-    Attribution, Evidence, Finding, Fit, HeldOut, PairFit, Ranked, ResidualPoint, Strength, Trial,
-    Verdict,
+    Attribution, Evidence, Finding, Fit, HeldOut, PairFit, PairPlace, Ranked, ResidualPoint,
+    Strength, Trial, Verdict,
 };
 use crate::attribution::data::Variation;
 use crate::attribution::linear::covariance;
@@ -139,6 +139,38 @@ pub(super) fn pair_fits(
     let pairs = pairs_fitted(&case, &base, wanted)?;
     let fits = pairs.iter().map(one).collect::<Result<_, CalibError>>()?;
     Ok((report_fit(&case, &case.base, &base)?, fits))
+}
+
+/// Pairs along their valleys.
+pub(super) fn pair_places(
+    attribution: &Attribution<'_>,
+    among: &[[String; 2]],
+    parts: &[f64],
+) -> Result<Vec<PairPlace>, CalibError> {
+    let observations = &attribution.base.observations;
+    let case = Case::new(attribution, observations, Variation::default(), true)?;
+    let base = case.fit_base()?;
+    let mut places = Vec::new();
+    let wanted = |a: &str, b: &str| among.iter().any(|[c, d]| a == c && b == d);
+    for judged in pairs_fitted(&case, &base, wanted)? {
+        let (model, best) = (&judged.model, &judged.fit);
+        let name = |k: usize| attribution.candidates[judged.of[k]].name.clone();
+        let mut all = vec![(best.theta.clone(), best.chi2, best.deviance())];
+        for part in parts.iter().filter(|_| model.frictions() > 0) {
+            let mut unit = best.point.unit.clone();
+            unit[0] = *part;
+            let there = held(model, &case.data, &unit, 0)?;
+            all.push((there.theta, there.chi2, there.deviance));
+        }
+        let dof = case.data.len() - model.len();
+        places.extend(all.into_iter().map(|(theta, chi2, deviance)| {
+            let penalty = ranking::penalty(&case, &judged.of, &theta[model.frictions()..]);
+            let p = chi_square_p(chi2, dof);
+            let trial = Trial { chi2, penalty, deviance: deviance + penalty, p };
+            PairPlace { names: [name(0), name(1)], theta, trial }
+        }));
+    }
+    Ok(places)
 }
 
 fn pair_fit(

@@ -245,6 +245,7 @@ pub(super) fn renewed(
 #[derive(Debug, Clone)]
 pub(super) struct Held {
     pub(super) theta: Vec<f64>,
+    pub(super) chi2: f64,
     pub(super) deviance: f64,
 }
 
@@ -256,17 +257,17 @@ pub(super) fn held(
     axis: usize,
 ) -> Result<Held, CalibError> {
     let mut unit = start.to_vec();
-    let mut deviance = f64::INFINITY;
+    let (mut chi2, mut deviance) = (f64::INFINITY, f64::INFINITY);
     for round in 0..SETTLINGS {
         let (weight, solved) = renewed(model, data, &unit, Some(axis))?;
         let moved = apart(&solved.unit, &unit);
-        deviance = solved.chi2 + weight.log_det;
+        (chi2, deviance) = (solved.chi2, solved.chi2 + weight.log_det);
         unit = solved.unit;
         if moved < 1e-5 && round > 0 {
             break;
         }
     }
-    Ok(Held { theta: model.theta(&unit), deviance })
+    Ok(Held { theta: model.theta(&unit), chi2, deviance })
 }
 
 /// Largest difference of two points in any coordinate.
