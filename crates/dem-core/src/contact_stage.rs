@@ -32,16 +32,10 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     let (touching, near_begin, slots) = (pairs.touching, pairs.near_begin, pairs.slots);
     let (near, entries) = (pairs.near().len(), walls.len());
     debug_assert_eq!(near_begin % LANES, 0);
-    let w = &mut s.wrenches;
-    for v in [&mut w.pair_force, &mut w.pair_torque_first, &mut w.pair_torque_second] {
-        if with_touching {
-            v.resize(near_begin, Record::default());
-        } else {
-            // The kernel passes over pairs that neither touch nor touched: theirs begin at zero.
-            v.clear();
-            v.reserve(near_begin);
-        }
+    if with_touching {
+        s.keep_all(near_begin);
     }
+    let w = &mut s.wrenches;
     for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
         v.resize(entries, Record::default());
     }
@@ -151,21 +145,20 @@ pub(crate) fn touching_pairs<M: ContactLaw>(
     for k in 0..pairs {
         let (a, b) = (first[k], second[k]);
         let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into).unwrap_or_default();
-        match &mut wrenches {
-            Wrenches::Kept([force, torque_first, torque_second]) => {
-                force[k].set(wrench.force);
-                torque_first[k].set(wrench.torque_on_first);
-                torque_second[k].set(wrench.torque_on_second);
-            }
-            Wrenches::Summed(sums) => {
-                let within = sums.len() - 1;
-                let sum = &mut sums[a as usize & within];
-                sum.force.add(wrench.force);
-                sum.torque.add(wrench.torque_on_first);
-                let sum = &mut sums[b as usize & within];
-                sum.force.add(-wrench.force);
-                sum.torque.add(wrench.torque_on_second);
-            }
+        if let Wrenches::Kept(kept) | Wrenches::KeptAndSummed(kept, _) = &mut wrenches {
+            let [force, torque_first, torque_second] = kept;
+            force[k].set(wrench.force);
+            torque_first[k].set(wrench.torque_on_first);
+            torque_second[k].set(wrench.torque_on_second);
+        }
+        if let Wrenches::Summed(sums) | Wrenches::KeptAndSummed(_, sums) = &mut wrenches {
+            let within = sums.len() - 1;
+            let sum = &mut sums[a as usize & within];
+            sum.force.add(wrench.force);
+            sum.torque.add(wrench.torque_on_first);
+            let sum = &mut sums[b as usize & within];
+            sum.force.add(-wrench.force);
+            sum.torque.add(wrench.torque_on_second);
         }
     }
 }

@@ -27,8 +27,9 @@ impl Pull {
 /// Where spheres find the wrenches that act on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Collect<'a> {
-    /// Touching pairs, unless they are in the sums already.
-    pub(crate) pairs: Option<&'a PairList>,
+    /// Touching pairs and their wrenches (forces, torques on first and on second spheres), unless they are in the
+    /// sums already.
+    pub(crate) pairs: Option<(&'a PairList, [&'a [Record]; 3])>,
     pub(crate) walls: &'a WallList,
     pub(crate) w: &'a Wrenches,
     pub(crate) late_start: &'a [u32],
@@ -131,13 +132,13 @@ impl Collect<'_> {
             return;
         }
         let w = self.w;
-        if let Some(p) = self.pairs {
+        if let Some((p, [forces, on_first, on_second])) = self.pairs {
             // By tables, not by branches: which one is the first is a matter of chance.
-            let torques = [&w.pair_torque_first[..], &w.pair_torque_second[..]];
+            let torques = [on_first, on_second];
             let mut add = |pair: usize, sphere: u32, as_second: bool| {
                 let role = usize::from(as_second);
                 // The second sphere feels the opposite.
-                let force = w.pair_force[pair] * [1.0, -1.0][role];
+                let force = forces[pair] * [1.0, -1.0][role];
                 to.add(sphere, &force, &torques[role][pair]);
             };
             let later = p.later_start[begin] as usize..p.later_start[end] as usize;
