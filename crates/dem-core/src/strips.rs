@@ -11,9 +11,6 @@ use crate::neighbour::verlet_list::PairList;
 use crate::sums::PIECE;
 use crate::world::StripYield;
 
-/// Work on a body in units of that on a touching pair.
-const BODY: usize = 1;
-
 /// The strips of a list of pairs.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Strips {
@@ -69,24 +66,41 @@ impl Strips {
 
     /// Cut a list of pairs of so many bodies.
     pub(crate) fn cut(&mut self, pairs: &PairList, bodies: usize, strips: usize) {
+        self.cut_evenly(pairs, bodies, strips, 0);
+        // Deferred bodies lie at the beginning of every strip but the first, and are no work of the strip.
+        let later = strips - 1;
+        if let Some(each) = (self.deferred.len() * PIECE).checked_div(later) {
+            self.cut_evenly(pairs, bodies, strips, each);
+        }
+    }
+
+    /// Cut it so that every strip has the same work, if so many bodies of every strip but the first are none.
+    fn cut_evenly(&mut self, pairs: &PairList, bodies: usize, strips: usize, deferred: usize) {
         let (pieces, chunks) = (bodies.div_ceil(PIECE), pairs.touching.div_ceil(CHUNK));
         let start = |piece: usize| pairs.touching_start[(piece * PIECE).min(bodies)] as usize;
-        let work = |piece: usize| start(piece) + BODY * (piece * PIECE).min(bodies);
+        let work = |piece: usize| start(piece) + (piece * PIECE).min(bodies);
+        let all = work(pieces).saturating_sub((strips - 1) * deferred);
         self.chunks.clear();
         self.pieces.clear();
         let mut piece = 0;
         for strip in 0..=strips {
-            while piece < pieces && work(piece) * strips < work(pieces) * strip {
+            let before = all * strip / strips + strip.saturating_sub(1) * deferred;
+            while piece < pieces && (work(piece) < before || strip == strips) {
                 piece += 1;
             }
             let chunk = if strip == 0 { 0 } else { start(piece).div_ceil(CHUNK) };
             self.pieces.push(piece as u32);
             self.chunks.push(chunk.min(chunks) as u32);
         }
+        self.defer(pairs, pieces, chunks);
+    }
+
+    /// See which pieces have to wait and which chunks are kept for them.
+    fn defer(&mut self, pairs: &PairList, pieces: usize, chunks: usize) {
         self.waits.clear();
         self.waits.resize(pieces, false);
         self.deferred.clear();
-        for strip in 0..strips {
+        for strip in 0..self.count() {
             let own = self.own(strip);
             let chunks = self.chunks[strip] as usize..self.chunks[strip + 1] as usize;
             // Most chunks touch no other strip.

@@ -242,3 +242,38 @@ impl<C: Cut> Cut for Chosen<'_, C> {
         unsafe { self.of.part(self.which[k] as usize) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::threads::Team;
+
+    #[test]
+    fn each_thread_writes_its_own_chunks_and_reads_those_that_nobody_holds() {
+        let team = Team::new(3);
+        let (mut numbers, mut sums) = ((0..70).collect::<Vec<u64>>(), [0; 3]);
+        let starts = [0, 3, 4, 7];
+        team.enter(|| {
+            let mut chunks = cut(&mut numbers, 10);
+            let view = chunks.view();
+            // The middle of each run is left alone.
+            let parts = (Runs::new(&mut chunks, &starts), cut(&mut sums, 1));
+            team.each(3, parts, |_, (mut run, sum): (InTurn<'_, _>, &mut [u64])| {
+                let own = run.left();
+                sum[0] = [1, 5].map(|middle| view[10 * middle]).iter().sum::<u64>();
+                for k in own.filter(|k| ![1, 5].contains(k)) {
+                    let chunk: &mut [u64] = run.take(k).unwrap();
+                    chunk.iter_mut().for_each(|x| *x += 1000);
+                    assert!(run.take(k).is_none(), "handed out twice");
+                }
+            });
+        });
+        assert_eq!(sums, [60; 3]);
+        let expected = |k: u64| if [1, 5].contains(&(k / 10)) { k } else { k + 1000 };
+        assert!((0..70).zip(&numbers).all(|(k, x)| *x == expected(k)));
+        let which = [1, 5];
+        let part = chosen(cut(&mut numbers, 10), &which);
+        team.each(2, part, |_, chunk| chunk.fill(7));
+        assert_eq!(numbers.iter().filter(|x| **x == 7).count(), 20);
+    }
+}

