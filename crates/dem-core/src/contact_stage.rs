@@ -145,20 +145,21 @@ pub(crate) fn touching_pairs<M: ContactLaw>(
     for k in 0..pairs {
         let (a, b) = (first[k], second[k]);
         let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into).unwrap_or_default();
-        if let Wrenches::Kept(kept) | Wrenches::KeptAndSummed(kept, _) = &mut wrenches {
-            let [force, torque_first, torque_second] = kept;
-            force[k].set(wrench.force);
-            torque_first[k].set(wrench.torque_on_first);
-            torque_second[k].set(wrench.torque_on_second);
-        }
-        if let Wrenches::Summed(sums) | Wrenches::KeptAndSummed(_, sums) = &mut wrenches {
-            let within = sums.len() - 1;
-            let sum = &mut sums[a as usize & within];
-            sum.force.add(wrench.force);
-            sum.torque.add(wrench.torque_on_first);
-            let sum = &mut sums[b as usize & within];
-            sum.force.add(-wrench.force);
-            sum.torque.add(wrench.torque_on_second);
+        match &mut wrenches {
+            Wrenches::Kept([force, torque_first, torque_second]) => {
+                force[k].set(wrench.force);
+                torque_first[k].set(wrench.torque_on_first);
+                torque_second[k].set(wrench.torque_on_second);
+            }
+            Wrenches::Summed(sums) => {
+                let within = sums.len() - 1;
+                let sum = &mut sums[a as usize & within];
+                sum.force.add(wrench.force);
+                sum.torque.add(wrench.torque_on_first);
+                let sum = &mut sums[b as usize & within];
+                sum.force.add(-wrench.force);
+                sum.torque.add(wrench.torque_on_second);
+            }
         }
     }
 }

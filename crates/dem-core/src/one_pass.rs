@@ -18,7 +18,7 @@ use crate::forces::{ChunkYield, Contacts};
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::particles::Record;
-use crate::simd::{Level, PairKernel, Wrenches, on_records};
+use crate::simd::{Level, PairKernel, Wrenches, on_records, widened};
 use crate::spheres::SphereView;
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
@@ -234,21 +234,25 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             let Some((active, numbers, kept, found)) = chunks.take(chunk) else { break };
             debug_assert!(self.strips.stays_within(strip, pairs, chunk), "others' bodies are read");
             let places = begin..begin + active.len();
-            let sums = ring.slots();
-            let run = Touching {
-                pairs: active.len().min(pairs.touching - begin),
-                slots,
-                first: &pairs.first[places.clone()],
-                second: &pairs.second[places],
-                active,
-                numbers,
-                wrenches: if self.strips.keep(chunk) {
-                    Wrenches::KeptAndSummed(kept, sums)
-                } else {
-                    Wrenches::Summed(sums)
-                },
+            let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
+            let count = active.len().min(pairs.touching - begin);
+            let mut compute = |wrenches| {
+                let run =
+                    Touching { pairs: count, slots, first, second, active, numbers, wrenches };
+                touching_pairs(&self.context, self.vector, run, &mut found[0]);
             };
-            touching_pairs(&self.context, self.vector, run, &mut found[0]);
+            if self.strips.keep(chunk) {
+                let [force, on_first, on_second] = kept;
+                compute(Wrenches::Kept([force, on_first, on_second]));
+                let kept = [&force[..count], &on_first[..count], &on_second[..count]];
+                widened(
+                    self.level,
+                    #[inline(always)]
+                    || ring.add(first, second, kept),
+                );
+            } else {
+                compute(Wrenches::Summed(ring.slots()));
+            }
             into.deep |= found[0].deep.is_some();
         }
         into

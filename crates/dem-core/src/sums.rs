@@ -59,6 +59,22 @@ impl Ring {
         &mut self.0
     }
 
+    /// Add wrenches that were kept (forces, torques on first and on second spheres), one pair after the other.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, first: &[u32], second: &[u32], wrenches: [&[Record]; 3]) {
+        let within = self.0.len() - 1;
+        let [forces, on_first, on_second] = wrenches;
+        let torques = on_first.iter().zip(on_second);
+        for (((&a, &b), force), (ti, tj)) in first.iter().zip(second).zip(forces).zip(torques) {
+            let sum = &mut self.0[a as usize & within];
+            sum.force = sum.force.plus(force);
+            sum.torque = sum.torque.plus(ti);
+            let sum = &mut self.0[b as usize & within];
+            sum.force = sum.force.minus(force);
+            sum.torque = sum.torque.plus(tj);
+        }
+    }
+
     /// The sums of the spheres of a piece that begins at `begin`.
     pub(crate) fn piece(&mut self, begin: usize, count: usize) -> &mut [Pull] {
         let place = begin % self.0.len();

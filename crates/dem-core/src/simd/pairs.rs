@@ -30,7 +30,6 @@ pub(crate) enum Wrenches<'a> {
     Kept([&'a mut [Record]; 3]),
     /// Both spheres add theirs to the sums of their places modulo the length, a power of two.
     Summed(&'a mut [Pull]),
-    KeptAndSummed([&'a mut [Record]; 3], &'a mut [Pull]),
 }
 
 /// Blocks of eight contacts that are computed together: where the numbers of their spheres and their own in the
@@ -48,10 +47,15 @@ struct Block<'a> {
 #[derive(Clone, Copy)]
 struct Sinks {
     memory: *mut f64,
+    wrenches: Sink,
+}
+
+#[derive(Clone, Copy)]
+enum Sink {
     /// Force, torques on the first and on the second sphere.
-    kept: Option<[*mut f64; 3]>,
+    Kept([*mut f64; 3]),
     /// The sums, and what of four times a place counts.
-    summed: Option<(*mut f64, u32)>,
+    Summed(*mut f64, u32),
 }
 
 /// What is the same for all pairs of spheres.
@@ -195,18 +199,17 @@ impl PairKernel<'_> {
         let laws = Laws::splat(&self.constants[0]);
         // Not known to the compiler: it would take the exchanges of `put_quads` apart for the sake of a zero.
         let nothing = std::hint::black_box(0.0);
-        let (kept, summed) = match &mut run.wrenches {
-            Wrenches::Kept(each) => (Some(each), None),
-            Wrenches::Summed(sums) => (None, Some(sums)),
-            Wrenches::KeptAndSummed(each, sums) => (Some(each), Some(sums)),
-        };
         let sinks = Sinks {
             memory: run.memory.as_mut_ptr(),
-            kept: kept.map(|each| each.each_mut().map(|records| records.as_mut_ptr().cast())),
-            summed: summed.map(|sums| {
-                assert!(sums.len().is_power_of_two(), "places are taken modulo the length");
-                (sums.as_mut_ptr().cast(), (sums.len() as u32 - 1) * 4)
-            }),
+            wrenches: match &mut run.wrenches {
+                Wrenches::Kept(each) => {
+                    Sink::Kept(each.each_mut().map(|records| records.as_mut_ptr().cast()))
+                }
+                Wrenches::Summed(sums) => {
+                    assert!(sums.len().is_power_of_two(), "places are taken modulo the length");
+                    Sink::Summed(sums.as_mut_ptr().cast(), (sums.len() as u32 - 1) * 4)
+                }
+            },
         };
         let whole = acting.count.next_multiple_of(8);
         while done + 8 * V::COUNT <= whole {
@@ -421,15 +424,17 @@ unsafe fn store<V: Blocks>(
     // SAFETY: by the caller.
     unsafe {
         V::put_quads(record(out.spring, stiffness), sinks.memory, b.pair);
-        if let Some(to) = sinks.kept {
-            for (v, to) in wrench.into_iter().zip(to) {
-                V::put_quads(record(v, zero), to, b.pair);
+        match sinks.wrenches {
+            Sink::Kept(to) => {
+                for (v, to) in wrench.into_iter().zip(to) {
+                    V::put_quads(record(v, zero), to, b.pair);
+                }
             }
-        }
-        if let Some((to, within)) = sinks.summed {
-            let [f, ti, tj] = wrench;
-            let wrench = [record(f, zero), record(ti, zero), record(tj, zero)];
-            V::add_wrenches(wrench, to, within, b.first, b.second);
+            Sink::Summed(to, within) => {
+                let [f, ti, tj] = wrench;
+                let wrench = [record(f, zero), record(ti, zero), record(tj, zero)];
+                V::add_wrenches(wrench, to, within, b.first, b.second);
+            }
         }
     }
 }

@@ -74,10 +74,18 @@ impl<T> Index<usize> for View<'_, T> {
 
     #[inline(always)]
     fn index(&self, k: usize) -> &T {
-        assert!(k < self.length, "element {k} of {}", self.length);
+        if k >= self.length {
+            outside(k, self.length);
+        }
         // SAFETY: within the slice, and nobody else writes what is read.
         unsafe { &*self.begin.add(k) }
     }
+}
+
+#[cold]
+#[inline(never)]
+fn outside(k: usize, length: usize) -> ! {
+    panic!("element {k} of {length}");
 }
 
 /// Something that can be handed out chunk by chunk.

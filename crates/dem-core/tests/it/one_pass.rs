@@ -144,7 +144,7 @@ fn strips_agree_with_one_pass_and_two_stages_bit_by_bit() {
     }
 }
 
-/// Small enough for an interpreter that checks who reads and writes what: `cargo miri test -p dem-core --test it row`.
+/// Small enough for an interpreter that checks who reads and writes what: `cargo miri test -p dem-core --test it a_row`.
 #[test]
 fn a_row_of_beads_in_strips_keeps_its_bits() {
     let hash = |threads| {
