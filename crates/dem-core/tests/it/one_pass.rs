@@ -144,7 +144,9 @@ fn strips_agree_with_one_pass_and_two_stages_bit_by_bit() {
     }
 }
 
-/// Small enough for an interpreter that checks who reads and writes what: `cargo miri test -p dem-core --test it a_row`.
+/// Small enough for Miri, which checks who reads and writes what:
+/// `MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-deterministic-floats" cargo +nightly miri test -p dem-core --test it a_row`
+/// (without the second flag it scatters the last digits of sines, and so the bits).
 #[test]
 fn a_row_of_beads_in_strips_keeps_its_bits() {
     let hash = |threads| {
@@ -154,13 +156,13 @@ fn a_row_of_beads_in_strips_keeps_its_bits() {
         b.domain(DVec3::splat(-0.1), DVec3::splat(2.5));
         b.wall(Wall::plane(DVec3::Y * -1.9e-3, DVec3::Y, bead));
         let mut random = Random(5);
-        for k in 0..600 {
+        for k in 0..450 {
             let p = DVec3::new(0.0, 0.0, 3.95e-3 * k as f64);
             b.sphere(Sphere::at(p, 2e-3, bead).with_velocity(random.vector() * 0.1));
         }
         let mut w = b.build().unwrap();
-        w.run(6).unwrap();
-        assert!(w.contact_count() > 500, "{}", w.contact_count());
+        w.run(3).unwrap();
+        assert!(w.contact_count() > 400, "{}", w.contact_count());
         w.state_hash()
     };
     let one = hash(1);
