@@ -13,7 +13,7 @@ use crate::list::Turn;
 use crate::particles::{Bodies, Record};
 use crate::simd::{Quad, RecordWork, on_records};
 use crate::sums::{Collect, PIECE, Pull};
-use crate::threads::cut;
+use crate::threads::{Chunks, cut};
 use crate::world::{BodyYield, Make, Members, World};
 
 /// What is done with the bodies.
@@ -43,6 +43,26 @@ pub(crate) struct Run<'a> {
     mean_spin: &'a mut [Record],
     linear: &'a mut [Record],
     turn: &'a mut [Record],
+}
+
+/// The records of a run of bodies: those that contacts read first, in the order of [`cut_bodies`].
+pub(crate) type Columns<'a> = [&'a mut [Record]; 10];
+
+/// Cut the bodies into runs of `size`.
+pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 10] {
+    [
+        &mut b.position,
+        &mut b.mean_velocity,
+        &mut b.mean_spin,
+        &mut b.end_velocity,
+        &mut b.velocity,
+        &mut b.spin,
+        &mut b.acceleration,
+        &mut b.angular_acceleration,
+        &mut b.linear_memory,
+        &mut b.angular_memory,
+    ]
+    .map(|column| cut(column, size))
 }
 
 /// What is the same for all bodies in a kick.
@@ -100,10 +120,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (integrator, level) = (self.integrator, self.make.level);
         let (kicks, drifts) =
             (halves != Halves::Drift, matches!(halves, Halves::Drift | Halves::KickAndDrift));
+        let w = &self.scratch.wrenches;
         let collect = Collect {
-            pairs: Some(&self.state.pairs),
+            pairs: Some((
+                &self.state.pairs,
+                [&w.pair_force, &w.pair_torque_first, &w.pair_torque_second],
+            )),
             walls: &self.state.wall_list,
-            w: &self.scratch.wrenches,
+            w,
             late_start: &self.scratch.late_start,
             late_ends: &self.scratch.late_ends,
         };
@@ -126,41 +150,18 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let b = &mut self.state.bodies;
         let count = b.id.len().div_ceil(CHUNK);
         chunks.resize(count, BodyYield::default());
-        let parts = (
-            cut(&mut b.position, CHUNK),
-            cut(&mut b.velocity, CHUNK),
-            cut(&mut b.spin, CHUNK),
-            cut(&mut b.acceleration, CHUNK),
-            cut(&mut b.angular_acceleration, CHUNK),
-            cut(&mut b.mean_velocity, CHUNK),
-            cut(&mut b.end_velocity, CHUNK),
-            cut(&mut b.mean_spin, CHUNK),
-            cut(&mut b.linear_memory, CHUNK),
-            cut(&mut b.angular_memory, CHUNK),
-            cut(chunks, 1),
-        );
-        self.team.each(count, parts, |c, (x, v, w, a, aw, mv, ev, mw, l, t, result)| {
-            let result = &mut result[0];
+        let parts = (cut_bodies(b, CHUNK), cut(chunks, 1));
+        self.team.each(count, parts, |c, (columns, result)| {
+            let (mut whole, result) = (Run::of(c * CHUNK, columns), &mut result[0]);
             if kicks {
                 result.flow = Flow::default();
             }
             result.moved_far = false;
             let mut sums = [Pull::ZERO; PIECE];
-            for piece in (0..x.len()).step_by(PIECE) {
-                let range = piece..(piece + PIECE).min(x.len());
-                let run = Run {
-                    begin: c * CHUNK + piece,
-                    position: &mut x[range.clone()],
-                    velocity: &mut v[range.clone()],
-                    spin: &mut w[range.clone()],
-                    acceleration: &mut a[range.clone()],
-                    angular: &mut aw[range.clone()],
-                    mean_velocity: &mut mv[range.clone()],
-                    end_velocity: &mut ev[range.clone()],
-                    mean_spin: &mut mw[range.clone()],
-                    linear: l.get_mut(range.clone()).unwrap_or_default(),
-                    turn: &mut t[range.clone()],
-                };
+            let count = whole.count();
+            for piece in (0..count).step_by(PIECE) {
+                let range = piece..(piece + PIECE).min(count);
+                let run = whole.some(range.clone());
                 let kick = kicks.then_some(&kick);
                 let drift = drifts.then_some(&drift);
                 let piece = Piece { integrator, kick, drift, run, sums: &mut sums[..range.len()] };
@@ -278,21 +279,63 @@ impl Drift<'_> {
 }
 
 impl<'a> Run<'a> {
-    /// Some of the bodies.
+    /// The run that begins at place `begin`, of its columns in the order of [`cut_bodies`].
     #[inline(always)]
-    pub(crate) fn of(b: &'a mut Bodies, own: std::ops::Range<usize>) -> Self {
+    pub(crate) fn of(begin: usize, columns: Columns<'a>) -> Self {
+        let [
+            position,
+            mean_velocity,
+            mean_spin,
+            end_velocity,
+            velocity,
+            spin,
+            acceleration,
+            angular,
+            linear,
+            turn,
+        ] = columns;
         Run {
-            begin: own.start,
-            position: &mut b.position[own.clone()],
-            velocity: &mut b.velocity[own.clone()],
-            spin: &mut b.spin[own.clone()],
-            acceleration: &mut b.acceleration[own.clone()],
-            angular: &mut b.angular_acceleration[own.clone()],
-            mean_velocity: &mut b.mean_velocity[own.clone()],
-            end_velocity: &mut b.end_velocity[own.clone()],
-            mean_spin: &mut b.mean_spin[own.clone()],
-            linear: b.linear_memory.get_mut(own.clone()).unwrap_or_default(),
-            turn: &mut b.angular_memory[own],
+            begin,
+            position,
+            velocity,
+            spin,
+            acceleration,
+            angular,
+            mean_velocity,
+            end_velocity,
+            mean_spin,
+            linear,
+            turn,
+        }
+    }
+
+    /// How many bodies.
+    pub(crate) fn count(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Move all back by what they have moved last.
+    pub(crate) fn undo_drift(&mut self, dt: f64) {
+        for (x, v) in self.position.iter_mut().zip(&*self.mean_velocity) {
+            x.add(v.vector() * -dt);
+        }
+    }
+
+    /// Some of them.
+    #[inline(always)]
+    fn some(&mut self, own: std::ops::Range<usize>) -> Run<'_> {
+        Run {
+            begin: self.begin + own.start,
+            position: &mut self.position[own.clone()],
+            velocity: &mut self.velocity[own.clone()],
+            spin: &mut self.spin[own.clone()],
+            acceleration: &mut self.acceleration[own.clone()],
+            angular: &mut self.angular[own.clone()],
+            mean_velocity: &mut self.mean_velocity[own.clone()],
+            end_velocity: &mut self.end_velocity[own.clone()],
+            mean_spin: &mut self.mean_spin[own.clone()],
+            linear: self.linear.get_mut(own.clone()).unwrap_or_default(),
+            turn: &mut self.turn[own],
         }
     }
 

@@ -32,16 +32,10 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     let (touching, near_begin, slots) = (pairs.touching, pairs.near_begin, pairs.slots);
     let (near, entries) = (pairs.near().len(), walls.len());
     debug_assert_eq!(near_begin % LANES, 0);
-    let w = &mut s.wrenches;
-    for v in [&mut w.pair_force, &mut w.pair_torque_first, &mut w.pair_torque_second] {
-        if with_touching {
-            v.resize(near_begin, Record::default());
-        } else {
-            // The kernel passes over pairs that neither touch nor touched: theirs begin at zero.
-            v.clear();
-            v.reserve(near_begin);
-        }
+    if with_touching {
+        s.keep_all(near_begin);
     }
+    let w = &mut s.wrenches;
     for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
         v.resize(entries, Record::default());
     }

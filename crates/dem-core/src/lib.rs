@@ -70,6 +70,7 @@ mod simd;
 pub mod snapshot;
 mod spheres;
 mod step;
+mod strips;
 mod sums;
 mod threads;
 pub mod timestep;

@@ -17,7 +17,7 @@ use crate::neighbour::verlet_list::{Found, LANES};
 use crate::particles::{Bodies, Record};
 use crate::simd::{Level, widened};
 use crate::threads::cut;
-use crate::world::{Members, SPHERE, World};
+use crate::world::{Kept, Members, SPHERE, World};
 
 /// Lists between two re-sortings of the bodies in memory.
 const BUILDS_PER_SORT: u64 = 16;
@@ -68,11 +68,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         state.list.builds += 1;
         state.list_stale = false;
         s.placed_then.clone_from(&s.placed);
-        // The vector kernel passes over pairs that neither touch nor touched: theirs begin at zero.
-        let w = &mut s.wrenches;
-        for v in [&mut w.pair_force, &mut w.pair_torque_first, &mut w.pair_torque_second] {
-            v.clear();
-        }
+        s.kept = Kept::None;
+        s.strips.forget();
         Ok(())
     }
 

@@ -6,6 +6,7 @@ use crate::geometry::{Nearest, PlacedWall, Shape, Wall};
 use crate::neighbour::verlet_list::memory_of;
 use crate::neighbour::wall_list::{NO_FACET, WallList};
 use crate::particles::Record;
+use crate::threads::View;
 
 /// For every entry of a mesh, where the mesh is nearest: written to `nearest`, by entry.
 ///
@@ -14,7 +15,7 @@ use crate::particles::Record;
 pub(crate) fn assign(
     walls: &[Wall],
     placed: &[PlacedWall],
-    position: &[Record],
+    position: View<'_, Record>,
     range: f64,
     list: &mut WallList,
     nearest: &mut Vec<Option<Nearest>>,

@@ -6,32 +6,68 @@
 //! between what is touched first and what is finished is small, however many spheres there are, and a step
 //! fetches every sphere once from memory. Wrenches are not kept: they are added to sums as they come,
 //! in the order in which the stages of `contact_stage.rs` and `body_stage.rs` add them, so to the same bits.
+//!
+//! Several threads go so in several strips (`strips.rs`). Few bodies, those near where strips meet, have to wait
+//! until all strips are done: the wrenches on them are kept, and a last stage finishes them.
 
-use crate::body_stage::{Drift, Kick, Piece, Run};
+use crate::body_stage::{Columns, Drift, Kick, Piece, Run, cut_bodies};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::{CHUNK, Touching, all_contacts, touching_pairs};
 use crate::error::Error;
+use crate::forces::{ChunkYield, Contacts};
 use crate::integrate::Integrator;
-use crate::simd::{Wrenches, on_records};
+use crate::neighbour::verlet_list::PairList;
+use crate::particles::Record;
+use crate::simd::{Level, PairKernel, Wrenches, on_records, widened};
+use crate::spheres::SphereView;
 use crate::step::{contacts_of, kernel_of};
-use crate::sums::{Collect, PIECE};
-use crate::world::{World, sphere_view};
+use crate::strips::Strips;
+use crate::sums::{Collect, PIECE, Pull, Ring};
+use crate::threads::{Cut, InTurn, Runs, chosen, cut};
+use crate::world::{BodyYield, Kept, Scratch, StripYield, World, sphere_view};
+
+/// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
+type Chunk<'a> = (&'a mut [u8], &'a mut [f64], [&'a mut [Record]; 3], &'a mut [ChunkYield]);
+
+/// What is the same for all strips.
+struct Pass<'a, M, I> {
+    context: Contacts<'a, M>,
+    vector: Option<(Level, &'a PairKernel<'a>)>,
+    integrator: I,
+    level: Level,
+    strips: &'a Strips,
+    pairs: &'a PairList,
+    bodies: usize,
+    kick: &'a Kick<'a, M>,
+    drift: &'a Drift<'a>,
+    /// Whether two overlap too deeply already.
+    deep: bool,
+}
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
-    /// Whether a step goes in one pass: on one thread, where every body is one sphere and nobody books energies.
-    pub(crate) fn goes_in_one_pass(&self) -> bool {
-        !self.ledger_wanted && !self.has_clumps() && self.team.is_one()
+    /// Whether a step goes in one pass: where every body is one sphere and nobody books energies, and the
+    /// threads find strips that keep out of each other's way.
+    pub(crate) fn goes_in_one_pass(&mut self) -> bool {
+        if self.ledger_wanted || self.has_clumps() {
+            return false;
+        }
+        let strips = &mut self.scratch.strips;
+        if !strips.are_cut() {
+            strips.cut(&self.state.pairs, self.state.bodies.len(), self.team.threads());
+        }
+        strips.pay()
     }
 
     /// Contacts of a step, its second half, and the first half of the next one; returns whether after that
     /// the list may miss a pair.
     pub(crate) fn one_pass(&mut self) -> Result<bool, Error> {
-        let dt = self.make.dt;
+        let (integrator, dt) = (self.integrator, self.make.dt);
         let mut pairs = std::mem::take(&mut self.state.pairs);
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut bodies = std::mem::take(&mut self.state.bodies);
         let mut s = std::mem::take(&mut self.scratch);
         let placed = std::mem::take(&mut s.placed);
+        let strips = std::mem::take(&mut s.strips);
         let (make, members, level) = (&self.make, &self.state.members, self.make.level);
         {
             let spheres = sphere_view(&bodies, members, false, dt);
@@ -40,16 +76,23 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let vector = kernel.as_ref().map(|kernel| (level, kernel));
             all_contacts(&context, vector, &self.team, make, &mut pairs, &mut walls, &mut s, false);
         }
-        let kick = Kick {
+        let mut deep = s.near_yield.iter().chain(&s.wall_yield).any(|y| y.deep.is_some());
+        s.keep_some(pairs.near_begin, &strips);
+        s.rings.resize_with(strips.count(), Ring::default);
+        s.strip_yield.resize(strips.count(), StripYield::default());
+        s.rings.iter_mut().for_each(|ring| ring.cover(pairs.window, bodies.len()));
+        let mut kept = s.wrenches.touching().map(std::mem::take);
+        let collect = Collect {
+            pairs: None,
+            walls: &walls,
+            w: &s.wrenches,
+            late_start: &s.late_start,
+            late_ends: &s.late_ends,
+        };
+        let mut kick = Kick {
             make,
             members,
-            collect: Collect {
-                pairs: None,
-                walls: &walls,
-                w: &s.wrenches,
-                late_start: &s.late_start,
-                late_ends: &s.late_ends,
-            },
+            collect,
             gravity: make.gravity.at(self.time()),
             gravity_rate: self.gravity_rate(),
             ledger: false,
@@ -61,65 +104,194 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             limit: (0.5 * make.skin).powi(2),
             dt,
         };
-        s.ring.cover(pairs.window, bodies.len());
-        let (mut done, mut moved_far) = (0, false);
-        // A fault leaves bodies where they were when it was found.
-        let mut deep = s.near_yield.iter().chain(&s.wall_yield).any(|y| y.deep.is_some());
-        let mut drifted = 0;
-        let (touching, slots) = (pairs.touching, pairs.slots);
-        let chunks = touching.div_ceil(CHUNK);
-        for chunk in 0..=chunks {
-            let own = chunk * CHUNK..((chunk + 1) * CHUNK).min(pairs.near_begin);
-            // Spheres before the owner of the next pair have all theirs.
-            let frontier = if chunk < chunks { pairs.owner(own.start) } else { bodies.len() };
-            while done < frontier {
-                let end = (done + PIECE).min(bodies.len());
-                if end > frontier {
-                    break;
-                }
-                let piece = Piece {
-                    integrator: self.integrator,
-                    kick: Some(&kick),
-                    drift: (!deep).then_some(&drift),
-                    run: Run::of(&mut bodies, done..end),
-                    sums: s.ring.piece(done, end - done),
-                };
-                let (_, far) = on_records(level, piece);
-                moved_far |= far;
-                done = end;
-                if !deep {
-                    drifted = end;
-                }
-            }
-            if let Some(into) = s.pair_yield.get_mut(chunk) {
-                let spheres = sphere_view(&bodies, members, false, dt);
-                let context = contacts_of(make, spheres, &placed, dt, false);
-                let kernel = kernel_of(make, spheres, dt, false);
-                let vector = kernel.as_ref().map(|kernel| (level, kernel));
-                let run = Touching {
-                    pairs: own.len().min(touching - own.start),
-                    slots,
-                    first: &pairs.first[own.clone()],
-                    second: &pairs.second[own.clone()],
-                    active: &mut pairs.active[own.clone()],
-                    numbers: &mut pairs.memory[own.start * slots..own.end * slots],
-                    wrenches: Wrenches::Summed(s.ring.slots()),
-                };
-                touching_pairs(&context, vector, run, into);
-                deep |= into.deep.is_some();
-            }
+        let (mut active, mut memory) =
+            (std::mem::take(&mut pairs.active), std::mem::take(&mut pairs.memory));
+        {
+            let count = bodies.len();
+            let mut cut_columns = cut_bodies(&mut bodies, PIECE);
+            let view = |column: usize| cut_columns[column].view();
+            let spheres = SphereView {
+                position: view(0),
+                mean_velocity: view(1),
+                mean_spin: view(2),
+                end_velocity: view(3),
+                clumps: None,
+            };
+            let kernel = kernel_of(make, spheres, dt, false);
+            let pass = Pass {
+                context: contacts_of(make, spheres, &placed, dt, false),
+                vector: kernel.as_ref().map(|kernel| (level, kernel)),
+                integrator,
+                level,
+                strips: &strips,
+                pairs: &pairs,
+                bodies: count,
+                kick: &kick,
+                drift: &drift,
+                deep,
+            };
+            let near_begin = pairs.near_begin;
+            let mut chunks = (
+                cut(&mut active[..near_begin], CHUNK),
+                cut(&mut memory[..near_begin * pairs.slots], CHUNK * pairs.slots),
+                kept.each_mut().map(|wrenches| cut(wrenches, CHUNK)),
+                cut(&mut s.pair_yield, 1),
+            );
+            let parts = (
+                Runs::new(&mut cut_columns, &strips.pieces),
+                Runs::new(&mut chunks, &strips.chunks),
+                cut(&mut s.rings, 1),
+                cut(&mut s.strip_yield, 1),
+            );
+            self.team.each(strips.count(), parts, |strip, (bodies, chunks, ring, into)| {
+                into[0] = pass.strip(strip, bodies, chunks, &mut ring[0]);
+            });
         }
+        (pairs.active, pairs.memory) = (active, memory);
+        deep |= s.strip_yield.iter().any(|y| y.deep);
+        let mut moved_far = s.strip_yield.iter().any(|y| y.moved_far);
+        kick.collect.pairs = Some((&pairs, kept.each_ref().map(|wrenches| &wrenches[..])));
+        let deferred = &strips.deferred;
+        s.body_yield.resize(deferred.len(), BodyYield::default());
+        let parts = (chosen(cut_bodies(&mut bodies, PIECE), deferred), cut(&mut s.body_yield, 1));
+        self.team.each(deferred.len(), parts, |k, (columns, result)| {
+            let run = Run::of(deferred[k] as usize * PIECE, columns);
+            let (mut sums, count) = ([Pull::ZERO; PIECE], run.count());
+            let (kick, drift) = (Some(&kick), (!deep).then_some(&drift));
+            let piece = Piece { integrator, kick, drift, run, sums: &mut sums[..count] };
+            result[0].moved_far = on_records(level, piece).1;
+        });
+        moved_far |= s.body_yield.iter().any(|y| y.moved_far);
         if deep {
-            for (x, v) in bodies.position.iter_mut().zip(&bodies.mean_velocity).take(drifted) {
-                x.add(v.vector() * -dt);
-            }
+            // A fault leaves bodies where they were when it was found.
+            let columns = cut_bodies(&mut bodies, PIECE);
+            let moved: Vec<_> = strips.moved(&s.strip_yield).collect();
+            let parts = chosen(columns, &moved);
+            self.team.each(moved.len(), parts, |_, columns| Run::of(0, columns).undo_drift(dt));
             self.state.forces_stale = true;
         }
+        for (to, kept) in s.wrenches.touching().into_iter().zip(kept) {
+            *to = kept;
+        }
+        s.strips = strips;
         s.placed = placed;
         self.scratch = s;
         self.state.pairs = pairs;
         self.state.wall_list = walls;
         self.state.bodies = bodies;
         self.check_overlaps().map(|()| moved_far)
+    }
+}
+
+impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
+    /// Go through a strip: compute its pairs, and finish those of its bodies that are not deferred.
+    fn strip<'b, B, C>(
+        &self,
+        strip: usize,
+        mut bodies: InTurn<'_, B>,
+        mut chunks: InTurn<'_, C>,
+        ring: &mut Ring,
+    ) -> StripYield
+    where
+        B: Cut<Part = Columns<'b>>,
+        C: Cut<Part = Chunk<'b>>,
+    {
+        let (pairs, slots) = (self.pairs, self.pairs.slots);
+        let (own, all) = (bodies.left(), chunks.left());
+        let (mut piece, mut reach) = (own.start, 0);
+        let mut into = StripYield { deep: self.deep, ..StripYield::default() };
+        for chunk in all.start..=all.end {
+            let begin = chunk * CHUNK;
+            // Spheres before the owner of the next pair have all theirs; behind the last pair all of the strip have,
+            // and others that it touched need nothing from here.
+            let frontier = if chunk < all.end {
+                let owner = pairs.owner(begin);
+                reach = (owner + pairs.window).min(self.bodies);
+                owner / PIECE
+            } else {
+                own.end.max(reach.div_ceil(PIECE))
+            };
+            while piece < frontier {
+                let begin = piece * PIECE;
+                let sums = ring.piece(begin, PIECE.min(self.bodies - begin));
+                if !own.contains(&piece) || self.strips.waits(piece) {
+                    sums.fill(Pull::ZERO);
+                } else if let Some(columns) = bodies.take(piece) {
+                    let piece = Piece {
+                        integrator: self.integrator,
+                        kick: Some(self.kick),
+                        drift: (!into.deep).then_some(self.drift),
+                        run: Run::of(begin, columns),
+                        sums,
+                    };
+                    into.moved_far |= on_records(self.level, piece).1;
+                }
+                piece += 1;
+                if !into.deep {
+                    into.drifted = piece;
+                }
+            }
+            let Some((active, numbers, kept, found)) = chunks.take(chunk) else { break };
+            debug_assert!(self.strips.stays_within(strip, pairs, chunk), "others' bodies are read");
+            let places = begin..begin + active.len();
+            let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
+            let count = active.len().min(pairs.touching - begin);
+            let mut compute = |wrenches| {
+                let run =
+                    Touching { pairs: count, slots, first, second, active, numbers, wrenches };
+                touching_pairs(&self.context, self.vector, run, &mut found[0]);
+            };
+            if self.strips.keep(chunk) {
+                let [force, on_first, on_second] = kept;
+                compute(Wrenches::Kept([force, on_first, on_second]));
+                let kept = [&force[..count], &on_first[..count], &on_second[..count]];
+                widened(
+                    self.level,
+                    #[inline(always)]
+                    || ring.add(first, second, kept),
+                );
+            } else {
+                compute(Wrenches::Summed(ring.slots()));
+            }
+            into.deep |= found[0].deep.is_some();
+        }
+        into
+    }
+}
+
+impl Scratch {
+    /// Have room for the wrenches of all touching pairs.
+    pub(crate) fn keep_all(&mut self, count: usize) {
+        let none = self.kept != Kept::All;
+        for v in self.wrenches.touching() {
+            if none {
+                // The kernel passes over pairs that neither touch nor touched: theirs begin at zero.
+                v.clear();
+            }
+            v.resize(count, Record::ZERO);
+        }
+        self.kept = Kept::All;
+    }
+
+    /// Have room for the wrenches of the chunks that the strips keep.
+    fn keep_some(&mut self, count: usize, strips: &Strips) {
+        let none = self.kept == Kept::None;
+        for v in self.wrenches.touching() {
+            // Never less, so that nothing has to be cleared but what is kept.
+            v.resize(count.max(v.len()), Record::ZERO);
+            for chunk in strips.kept().filter(|_| none) {
+                let end = ((chunk + 1) * CHUNK).min(count);
+                v[chunk * CHUNK..end].fill(Record::ZERO);
+            }
+        }
+        self.kept = Kept::Some;
+    }
+
+    /// Let nobody look at the wrenches of some pairs only.
+    pub(crate) fn drop_some(&mut self) {
+        if self.kept == Kept::Some {
+            self.wrenches.touching().into_iter().for_each(Vec::clear);
+            self.kept = Kept::None;
+        }
     }
 }

@@ -13,7 +13,7 @@ use crate::forces::{Late, Wrench};
 use crate::geometry::{Motion, MotionState, PlacedWall, Pose, Rotation, Vibration};
 use crate::integrate::Integrator;
 use crate::particles::Record;
-use crate::world::{State, World, Wrenches};
+use crate::world::{Kept, State, World, Wrenches};
 
 /// The state of a world at the end of a step.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,6 +102,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.state.bodies.linear_memory.resize(remembered, Record::default());
         self.state.pairs.sort_by_later();
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
+        self.scratch.kept = Kept::All;
+        self.scratch.strips.forget();
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;
         self.ledger_wanted = snapshot.ledger_wanted;

@@ -2,18 +2,19 @@
 
 use crate::particles::Record;
 use crate::simd::{Numbers, V3};
+use crate::threads::View;
 
 /// What contacts gather from their spheres.
 #[derive(Clone, Copy)]
 pub(crate) struct SphereView<'a> {
     /// Centre; radius.
-    pub(crate) position: &'a [Record],
+    pub(crate) position: View<'a, Record>,
     /// Of bodies: mean velocity of the step; mass.
-    pub(crate) mean_velocity: &'a [Record],
+    pub(crate) mean_velocity: View<'a, Record>,
     /// Of bodies: mean angular velocity of the step; material.
-    pub(crate) mean_spin: &'a [Record],
+    pub(crate) mean_spin: View<'a, Record>,
     /// Of bodies: velocity foretold for now; charge.
-    pub(crate) end_velocity: &'a [Record],
+    pub(crate) end_velocity: View<'a, Record>,
     /// Where spheres sit on bodies; without it every sphere is its own body.
     pub(crate) clumps: Option<ClumpView<'a>>,
 }

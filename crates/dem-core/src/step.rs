@@ -24,6 +24,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let mut left = (0..steps).rev();
             let done = left.try_fold(None, |drifted, left| self.advance(drifted, left > 0));
             self.spin_clumps();
+            if done.is_err() {
+                self.scratch.drop_some();
+            }
             done.map(|_| ())
         })
     }

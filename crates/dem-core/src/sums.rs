@@ -27,8 +27,9 @@ impl Pull {
 /// Where spheres find the wrenches that act on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Collect<'a> {
-    /// Touching pairs, unless they are in the sums already.
-    pub(crate) pairs: Option<&'a PairList>,
+    /// Touching pairs and their wrenches (forces, torques on first and on second spheres), unless they are in the
+    /// sums already.
+    pub(crate) pairs: Option<(&'a PairList, [&'a [Record]; 3])>,
     pub(crate) walls: &'a WallList,
     pub(crate) w: &'a Wrenches,
     pub(crate) late_start: &'a [u32],
@@ -56,6 +57,22 @@ impl Ring {
 
     pub(crate) fn slots(&mut self) -> &mut [Pull] {
         &mut self.0
+    }
+
+    /// Add wrenches that were kept (forces, torques on first and on second spheres), one pair after the other.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, first: &[u32], second: &[u32], wrenches: [&[Record]; 3]) {
+        let within = self.0.len() - 1;
+        let [forces, on_first, on_second] = wrenches;
+        let torques = on_first.iter().zip(on_second);
+        for (((&a, &b), force), (ti, tj)) in first.iter().zip(second).zip(forces).zip(torques) {
+            let sum = &mut self.0[a as usize & within];
+            sum.force = sum.force.plus(force);
+            sum.torque = sum.torque.plus(ti);
+            let sum = &mut self.0[b as usize & within];
+            sum.force = sum.force.minus(force);
+            sum.torque = sum.torque.plus(tj);
+        }
     }
 
     /// The sums of the spheres of a piece that begins at `begin`.
@@ -131,13 +148,13 @@ impl Collect<'_> {
             return;
         }
         let w = self.w;
-        if let Some(p) = self.pairs {
+        if let Some((p, [forces, on_first, on_second])) = self.pairs {
             // By tables, not by branches: which one is the first is a matter of chance.
-            let torques = [&w.pair_torque_first[..], &w.pair_torque_second[..]];
+            let torques = [on_first, on_second];
             let mut add = |pair: usize, sphere: u32, as_second: bool| {
                 let role = usize::from(as_second);
                 // The second sphere feels the opposite.
-                let force = w.pair_force[pair] * [1.0, -1.0][role];
+                let force = forces[pair] * [1.0, -1.0][role];
                 to.add(sphere, &force, &torques[role][pair]);
             };
             let later = p.later_start[begin] as usize..p.later_start[end] as usize;

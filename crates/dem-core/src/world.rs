@@ -20,6 +20,7 @@ use crate::neighbour::wall_list::WallList;
 use crate::particles::{Bodies, ParticleId, Record};
 use crate::rigid::Clump;
 use crate::spheres::{ClumpView, SphereView};
+use crate::strips::Strips;
 use crate::sums::Ring;
 use crate::threads::Team;
 
@@ -132,6 +133,13 @@ pub(crate) struct Wrenches {
     pub(crate) late: Vec<Late>,
 }
 
+impl Wrenches {
+    /// Those of touching pairs: forces, torques on first and on second spheres.
+    pub(crate) fn touching(&mut self) -> [&mut Vec<Record>; 3] {
+        [&mut self.pair_force, &mut self.pair_torque_first, &mut self.pair_torque_second]
+    }
+}
+
 /// Buffers that can be made anew from the state.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
@@ -151,13 +159,40 @@ pub(crate) struct Scratch {
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
     pub(crate) body_yield: Vec<BodyYield>,
-    /// Sums of touching pairs of the bodies that one pass has not finished yet.
-    pub(crate) ring: Ring,
+    /// Of which touching pairs `wrenches` are those of the last step.
+    pub(crate) kept: Kept,
+    /// How one pass is shared out.
+    pub(crate) strips: Strips,
+    /// For each strip, sums of touching pairs of the bodies that it has not finished yet.
+    pub(crate) rings: Vec<Ring>,
+    pub(crate) strip_yield: Vec<StripYield>,
     /// Ends of near pairs in action by pieces of spheres, and where those of a piece begin.
     pub(crate) late_start: Vec<u32>,
     pub(crate) late_ends: Vec<u32>,
     /// Nearest points of meshes, by entry of the wall list.
     pub(crate) mesh_nearest: Vec<Option<crate::geometry::Nearest>>,
+}
+
+/// Of which touching pairs wrenches are kept.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) enum Kept {
+    /// Of none: the list has changed.
+    #[default]
+    None,
+    /// Of those that the strips of one pass keep.
+    Some,
+    All,
+}
+
+/// What one strip yields.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct StripYield {
+    /// A body may have left the range of the list, or is nowhere.
+    pub(crate) moved_far: bool,
+    /// Two overlap too deeply.
+    pub(crate) deep: bool,
+    /// Pieces that have moved on: those before it, unless they are deferred.
+    pub(crate) drifted: usize,
 }
 
 /// What one chunk of bodies yields.
@@ -496,10 +531,10 @@ pub(crate) fn sphere_view<'a>(
 ) -> SphereView<'a> {
     let view = ClumpView { body: &m.body, arm: &m.arm, end_spin: &m.end_spin, dt };
     SphereView {
-        position: if clumps { &m.position } else { &b.position },
-        mean_velocity: &b.mean_velocity,
-        mean_spin: &b.mean_spin,
-        end_velocity: &b.end_velocity,
+        position: if clumps { m.position[..].into() } else { b.position[..].into() },
+        mean_velocity: b.mean_velocity[..].into(),
+        mean_spin: b.mean_spin[..].into(),
+        end_velocity: b.end_velocity[..].into(),
         clumps: clumps.then_some(view),
     }
 }

@@ -36,7 +36,7 @@ pub(crate) fn whole_blocks(pairs: usize) -> usize {
 pub(crate) struct PairList {
     /// Numbers that a contact remembers.
     pub(crate) slots: usize,
-    /// Spheres of each pair; the places between the two runs are padding.
+    /// Spheres of each pair; the places between the two runs are padding, which repeats a pair.
     pub(crate) first: Vec<u32>,
     pub(crate) second: Vec<u32>,
     /// 1 for a pair in contact.
@@ -124,6 +124,13 @@ impl PairList {
             *place -= 1;
             self.first[*place as usize] = f.first;
             self.second[*place as usize] = f.second;
+        }
+        // Padding repeats the last pair, so that whoever reads it reads nothing else than that pair.
+        if let Some(last) = touching.checked_sub(1) {
+            for places in [&mut self.first, &mut self.second] {
+                let place = places[last];
+                places[touching..self.near_begin].fill(place);
+            }
         }
         self.sort_by_later();
         self.active.clear();

@@ -235,7 +235,7 @@ impl Placing<'_> {
 fn columns<V: Lanes>(of: impl Fn(usize) -> Record) -> [V; 4] {
     let records: [Record; 8] = [of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)];
     // SAFETY: there are eight.
-    unsafe { V::gather(&records, &[0, 1, 2, 3, 4, 5, 6, 7]) }
+    unsafe { V::gather(records[..].into(), &[0, 1, 2, 3, 4, 5, 6, 7]) }
 }
 
 #[inline(always)]

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::neighbour::Period;
 use crate::particles::Record;
+use crate::threads::View;
 
 /// Numbers side by side, on which laws are written once.
 pub(crate) trait Numbers:
@@ -132,7 +133,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// # Safety
     /// Every place is below the length of `records`.
     #[inline(always)]
-    unsafe fn gather(records: &[Record], places: &[u32; 8]) -> [Self; 4] {
+    unsafe fn gather(records: View<'_, Record>, places: &[u32; 8]) -> [Self; 4] {
         debug_assert!(places.iter().all(|p| (*p as usize) < records.len()));
         // SAFETY: by the caller; a record is four numbers.
         unsafe { Self::quads(records.as_ptr().cast(), &fours(places)) }

@@ -1,4 +1,4 @@
-//! Eight contacts at once: with `threads.rs` the only unsafe code of the crate.
+//! Eight contacts at once: with `threads/` the only unsafe code of the crate.
 //!
 //! The kernel is written once, over [`lanes::Lanes`]; AVX-512 and AVX2 each compile it for their
 //! registers, and the widest that the processor has is chosen when a world runs. Every operation

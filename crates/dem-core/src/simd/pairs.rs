@@ -11,6 +11,7 @@ use crate::list::lowest_bits;
 use crate::particles::Record;
 use crate::spheres::{ClumpView, SphereView, on_arm};
 use crate::sums::Pull;
+use crate::threads::View;
 
 /// A run of touching pairs, in whole blocks.
 pub(crate) struct Run<'a> {
@@ -383,7 +384,7 @@ pub(super) unsafe fn on_clump<V: Blocks>(
 /// Four numbers of `records` begin at every place.
 #[inline(always)]
 unsafe fn difference<V: Blocks>(
-    records: &[Record],
+    records: View<'_, Record>,
     of: &[[u32; 8]],
     less: &[[u32; 8]],
     alike: Option<f64>,

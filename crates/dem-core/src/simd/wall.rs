@@ -16,6 +16,7 @@ use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};
 use crate::list::lowest_bits;
 use crate::neighbour::verlet_list::memory_index;
 use crate::particles::Record;
+use crate::threads::View;
 
 /// A chunk of the wall list.
 pub(crate) struct WallRun<'a> {
@@ -274,7 +275,7 @@ fn velocity_at<V: Lanes>(v: &RigidVelocity, x: V3<V>) -> V3<V> {
 #[inline(always)]
 fn nearest<V: Lanes>(
     wall: &PlacedWall,
-    position: &[Record],
+    position: View<'_, Record>,
     places: &[u32; 8],
     x: V3<V>,
     valid: u8,
@@ -320,7 +321,11 @@ fn nearest<V: Lanes>(
 
 /// The same by the shape's own function.
 #[cold]
-fn one_by_one<V: Lanes>(wall: &PlacedWall, position: &[Record], places: &[u32; 8]) -> Near<V> {
+fn one_by_one<V: Lanes>(
+    wall: &PlacedWall,
+    position: View<'_, Record>,
+    places: &[u32; 8],
+) -> Near<V> {
     let mut columns = [[0.0; 8]; 5];
     for (lane, &place) in places.iter().enumerate() {
         if let Some(n) = wall.nearest(position[place as usize].vector()) {

@@ -7,115 +7,19 @@
 //! The thread that calls waits likewise: first in a loop, then asleep.
 #![expect(unsafe_code, reason = "chunks of one slice go to several threads, each exactly once")]
 
+mod cut;
+
 use std::cell::UnsafeCell;
-use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
+pub(crate) use cut::{Chunks, Cut, InTurn, Runs, View, chosen, cut, cut_groups};
+
 /// How long a thread looks for the next stage before it sleeps.
 const PATIENCE: Duration = Duration::from_micros(60);
-
-/// A slice cut into chunks of equal length (the last may be shorter).
-pub(crate) struct Chunks<'a, T> {
-    begin: *mut T,
-    length: usize,
-    size: usize,
-    slice: PhantomData<&'a mut [T]>,
-}
-
-// SAFETY: chunks are disjoint and each is handed out once: as good as sending parts of the slice.
-unsafe impl<T: Send> Sync for Chunks<'_, T> {}
-
-/// Cut a slice into chunks of `size`.
-pub(crate) fn cut<T>(slice: &mut [T], size: usize) -> Chunks<'_, T> {
-    Chunks { begin: slice.as_mut_ptr(), length: slice.len(), size, slice: PhantomData }
-}
-
-/// Something that can be handed out chunk by chunk.
-pub(crate) trait Cut: Sync {
-    /// One chunk.
-    type Part;
-    /// Chunk `k`, empty beyond the end.
-    ///
-    /// # Safety
-    /// Each `k` is asked for at most once.
-    unsafe fn part(&self, k: usize) -> Self::Part;
-}
-
-impl<'a, T: Send> Cut for Chunks<'a, T> {
-    type Part = &'a mut [T];
-
-    #[inline(always)]
-    unsafe fn part(&self, k: usize) -> &'a mut [T] {
-        let begin = (k * self.size).min(self.length);
-        let end = (begin + self.size).min(self.length);
-        // SAFETY: within the slice, and no other chunk overlaps it.
-        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
-    }
-}
-
-/// A slice cut into runs of groups of unlike lengths.
-pub(crate) struct Groups<'a, T> {
-    begin: *mut T,
-    starts: &'a [u32],
-    size: usize,
-    slice: PhantomData<&'a mut [T]>,
-}
-
-// SAFETY: as for `Chunks`: `cut_groups` has seen that the groups are disjoint.
-unsafe impl<T: Send> Sync for Groups<'_, T> {}
-
-/// Cut a slice into runs of `size` groups, where group `g` is `starts[g]..starts[g + 1]`.
-pub(crate) fn cut_groups<'a, T>(
-    slice: &'a mut [T],
-    starts: &'a [u32],
-    size: usize,
-) -> Groups<'a, T> {
-    let within = starts.last().is_none_or(|&end| end as usize <= slice.len());
-    assert!(within && starts.is_sorted(), "groups are not disjoint parts of their slice");
-    Groups { begin: slice.as_mut_ptr(), starts, size, slice: PhantomData }
-}
-
-impl<'a, T: Send> Cut for Groups<'a, T> {
-    type Part = &'a mut [T];
-
-    #[inline(always)]
-    unsafe fn part(&self, k: usize) -> &'a mut [T] {
-        let at = |group: usize| {
-            let last = self.starts.len().saturating_sub(1);
-            self.starts.get(group.min(last)).map_or(0, |&s| s as usize)
-        };
-        let (begin, end) = (at(k * self.size), at((k + 1) * self.size));
-        // SAFETY: within the slice, and no other run of groups overlaps it.
-        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
-    }
-}
-
-macro_rules! cut_together {
-    ($($name:ident)+) => {
-        impl<$($name: Cut),+> Cut for ($($name,)+) {
-            type Part = ($($name::Part,)+);
-
-            #[inline(always)]
-            unsafe fn part(&self, k: usize) -> Self::Part {
-                #[expect(non_snake_case, reason = "types and values share their names")]
-                let ($($name,)+) = self;
-                // SAFETY: by the caller.
-                unsafe { ($($name.part(k),)+) }
-            }
-        }
-    };
-}
-cut_together!(A B);
-cut_together!(A B C);
-cut_together!(A B C D);
-cut_together!(A B C D E);
-cut_together!(A B C D E F);
-cut_together!(A B C D E F G);
-cut_together!(A B C D E F G H I J K);
 
 /// Work on `count` chunks.
 pub(crate) struct Stage<C, F> {
@@ -157,9 +61,9 @@ impl Team {
         Self { crew: (threads > 1).then(|| Crew::new(threads)).flatten().map(Arc::new) }
     }
 
-    /// Whether everything runs on the caller's thread.
-    pub(crate) fn is_one(&self) -> bool {
-        self.crew.is_none()
+    /// How many they are.
+    pub(crate) fn threads(&self) -> usize {
+        self.crew.as_ref().map_or(1, |crew| crew.shared.shares.len())
     }
 
     /// Run `work`, in which the team is awake.

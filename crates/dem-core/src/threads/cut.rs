@@ -1,0 +1,287 @@
+//! Slices cut into parts, of which every thread is handed its own.
+
+use std::marker::PhantomData;
+use std::ops::Index;
+
+/// A slice cut into chunks of equal length (the last may be shorter).
+pub(crate) struct Chunks<'a, T> {
+    begin: *mut T,
+    length: usize,
+    size: usize,
+    slice: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: chunks are disjoint and each is handed out once: as good as sending parts of the slice.
+unsafe impl<T: Send> Sync for Chunks<'_, T> {}
+
+/// Cut a slice into chunks of `size`.
+pub(crate) fn cut<T>(slice: &mut [T], size: usize) -> Chunks<'_, T> {
+    Chunks { begin: slice.as_mut_ptr(), length: slice.len(), size, slice: PhantomData }
+}
+
+impl<'a, T> Chunks<'a, T> {
+    /// The whole slice, to be read by all threads while each writes chunks of its own.
+    ///
+    /// No element may be read while its chunk is handed out, unless by who holds the chunk: those who cut see
+    /// to that (`strips.rs`).
+    pub(crate) fn view(&self) -> View<'a, T> {
+        View { begin: self.begin, length: self.length, slice: PhantomData }
+    }
+}
+
+/// A slice of which one element at a time is read: others may be written meanwhile.
+pub(crate) struct View<'a, T> {
+    begin: *const T,
+    length: usize,
+    slice: PhantomData<&'a [T]>,
+}
+
+// SAFETY: as good as references to the elements that are read.
+unsafe impl<T: Sync> Send for View<'_, T> {}
+// SAFETY: likewise.
+unsafe impl<T: Sync> Sync for View<'_, T> {}
+
+impl<T> Clone for View<'_, T> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for View<'_, T> {}
+
+impl<'a, T> From<&'a [T]> for View<'a, T> {
+    #[inline(always)]
+    fn from(slice: &'a [T]) -> Self {
+        Self { begin: slice.as_ptr(), length: slice.len(), slice: PhantomData }
+    }
+}
+
+impl<T> View<'_, T> {
+    #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        self.length
+    }
+
+    #[inline(always)]
+    pub(crate) fn as_ptr(&self) -> *const T {
+        self.begin
+    }
+}
+
+impl<T> Index<usize> for View<'_, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn index(&self, k: usize) -> &T {
+        if k >= self.length {
+            outside(k, self.length);
+        }
+        // SAFETY: within the slice, and nobody else writes what is read.
+        unsafe { &*self.begin.add(k) }
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn outside(k: usize, length: usize) -> ! {
+    panic!("element {k} of {length}");
+}
+
+/// Something that can be handed out chunk by chunk.
+pub(crate) trait Cut: Sync {
+    /// One chunk.
+    type Part;
+    /// Chunk `k`, empty beyond the end.
+    ///
+    /// # Safety
+    /// Each `k` is asked for at most once.
+    unsafe fn part(&self, k: usize) -> Self::Part;
+}
+
+impl<'a, T: Send> Cut for Chunks<'a, T> {
+    type Part = &'a mut [T];
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> &'a mut [T] {
+        let begin = (k * self.size).min(self.length);
+        let end = (begin + self.size).min(self.length);
+        // SAFETY: within the slice, and no other chunk overlaps it.
+        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
+    }
+}
+
+/// A slice cut into runs of groups of unlike lengths.
+pub(crate) struct Groups<'a, T> {
+    begin: *mut T,
+    starts: &'a [u32],
+    size: usize,
+    slice: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: as for `Chunks`: `cut_groups` has seen that the groups are disjoint.
+unsafe impl<T: Send> Sync for Groups<'_, T> {}
+
+/// Cut a slice into runs of `size` groups, where group `g` is `starts[g]..starts[g + 1]`.
+pub(crate) fn cut_groups<'a, T>(
+    slice: &'a mut [T],
+    starts: &'a [u32],
+    size: usize,
+) -> Groups<'a, T> {
+    let within = starts.last().is_none_or(|&end| end as usize <= slice.len());
+    assert!(within && starts.is_sorted(), "groups are not disjoint parts of their slice");
+    Groups { begin: slice.as_mut_ptr(), starts, size, slice: PhantomData }
+}
+
+impl<'a, T: Send> Cut for Groups<'a, T> {
+    type Part = &'a mut [T];
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> &'a mut [T] {
+        let at = |group: usize| {
+            let last = self.starts.len().saturating_sub(1);
+            self.starts.get(group.min(last)).map_or(0, |&s| s as usize)
+        };
+        let (begin, end) = (at(k * self.size), at((k + 1) * self.size));
+        // SAFETY: within the slice, and no other run of groups overlaps it.
+        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
+    }
+}
+
+impl<C: Cut, const N: usize> Cut for [C; N] {
+    type Part = [C::Part; N];
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> Self::Part {
+        // SAFETY: by the caller.
+        self.each_ref().map(|of| unsafe { of.part(k) })
+    }
+}
+
+macro_rules! cut_together {
+    ($($name:ident)+) => {
+        impl<$($name: Cut),+> Cut for ($($name,)+) {
+            type Part = ($($name::Part,)+);
+
+            #[inline(always)]
+            unsafe fn part(&self, k: usize) -> Self::Part {
+                #[expect(non_snake_case, reason = "types and values share their names")]
+                let ($($name,)+) = self;
+                // SAFETY: by the caller.
+                unsafe { ($($name.part(k),)+) }
+            }
+        }
+    };
+}
+cut_together!(A B);
+cut_together!(A B C);
+cut_together!(A B C D);
+cut_together!(A B C D E);
+cut_together!(A B C D E F);
+cut_together!(A B C D E F G);
+cut_together!(A B C D E F G H I J K);
+
+/// Runs of chunks: each part is the chunks from one start to the next, which are handed out in turn.
+pub(crate) struct Runs<'s, C> {
+    of: &'s C,
+    starts: &'s [u32],
+}
+
+impl<'s, C: Cut> Runs<'s, C> {
+    pub(crate) fn new(of: &'s mut C, starts: &'s [u32]) -> Self {
+        assert!(starts.is_sorted(), "runs are not disjoint");
+        Self { of, starts }
+    }
+}
+
+impl<'s, C: Cut> Cut for Runs<'s, C> {
+    type Part = InTurn<'s, C>;
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> InTurn<'s, C> {
+        let at = |k: usize| self.starts.get(k).map_or(0, |&s| s as usize);
+        InTurn { of: self.of, next: at(k), end: at(k + 1) }
+    }
+}
+
+/// The chunks of a run, each handed out once at most.
+pub(crate) struct InTurn<'s, C> {
+    of: &'s C,
+    next: usize,
+    end: usize,
+}
+
+impl<C: Cut> InTurn<'_, C> {
+    /// The chunks that are left.
+    pub(crate) fn left(&self) -> std::ops::Range<usize> {
+        self.next..self.end
+    }
+
+    /// Chunk `k` of the whole, if it is left; none before it will be handed out after it.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, k: usize) -> Option<C::Part> {
+        if !self.left().contains(&k) {
+            return None;
+        }
+        self.next = k + 1;
+        // SAFETY: runs are disjoint, each is a part once, and what is left of it only shrinks.
+        Some(unsafe { self.of.part(k) })
+    }
+}
+
+/// Some chunks of the whole.
+pub(crate) struct Chosen<'s, C> {
+    of: C,
+    which: &'s [u32],
+}
+
+/// Only those of these numbers, each of which is told once.
+pub(crate) fn chosen<C: Cut>(of: C, which: &[u32]) -> Chosen<'_, C> {
+    assert!(which.is_sorted_by(|a, b| a < b), "a chunk is chosen twice");
+    Chosen { of, which }
+}
+
+impl<C: Cut> Cut for Chosen<'_, C> {
+    type Part = C::Part;
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> C::Part {
+        // SAFETY: no number is told twice.
+        unsafe { self.of.part(self.which[k] as usize) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::threads::Team;
+
+    #[test]
+    fn each_thread_writes_its_own_chunks_and_reads_those_that_nobody_holds() {
+        let team = Team::new(3);
+        let (mut numbers, mut sums) = ((0..70).collect::<Vec<u64>>(), [0; 3]);
+        let starts = [0, 3, 4, 7];
+        team.enter(|| {
+            let mut chunks = cut(&mut numbers, 10);
+            let view = chunks.view();
+            // The middle of each run is left alone.
+            let parts = (Runs::new(&mut chunks, &starts), cut(&mut sums, 1));
+            team.each(3, parts, |_, (mut run, sum): (InTurn<'_, _>, &mut [u64])| {
+                let own = run.left();
+                sum[0] = [1, 5].map(|middle| view[10 * middle]).iter().sum::<u64>();
+                for k in own.filter(|k| ![1, 5].contains(k)) {
+                    let chunk: &mut [u64] = run.take(k).unwrap();
+                    chunk.iter_mut().for_each(|x| *x += 1000);
+                    assert!(run.take(k).is_none(), "handed out twice");
+                }
+            });
+        });
+        assert_eq!(sums, [60; 3]);
+        let expected = |k: u64| if [1, 5].contains(&(k / 10)) { k } else { k + 1000 };
+        assert!((0..70).zip(&numbers).all(|(k, x)| *x == expected(k)));
+        let which = [1, 5];
+        let part = chosen(cut(&mut numbers, 10), &which);
+        team.each(2, part, |_, chunk| chunk.fill(7));
+        assert_eq!(numbers.iter().filter(|x| **x == 7).count(), 20);
+    }
+}
