@@ -16,6 +16,12 @@ use crate::refine::{Asked, ENOUGH, TOLD};
 /// Pairs of either kind that are looked into.
 const SHORT: usize = 16;
 
+/// Of these, pairs that are looked into at several places whatever their first runs say.
+const LEARNT: usize = 6;
+
+/// At how many.
+const LEAST: usize = 3;
+
 /// Parts of the range of a friction at which the strengths of pairs are fitted: the truth often lies far along a valley of
 /// frictions, where surfaces that know little do not expect it.
 const FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
@@ -148,19 +154,25 @@ impl State<'_> {
         });
         let turn = |p: &PairPlace| doubted(&p.trial) + TURN * self.made(&p.names) as f64;
         places.sort_by(|a, b| turn(a).total_cmp(&turn(b)));
-        for enough in [TOLD, ENOUGH[2]] {
+        // A surface of both is learnt from runs of both: the first ones go to unlike places of the best pairs in turn.
+        let new = |p: &&PairPlace| {
+            short.iter().take(LEARNT).any(|s| *s == p.names) && self.made(&p.names) < LEAST
+        };
+        let mut first: Vec<&PairPlace> = places.iter().filter(new).collect();
+        first.sort_by_key(|p| self.made(&p.names));
+        let all: Vec<&PairPlace> = places.iter().collect();
+        for (places, enough) in [(first, ENOUGH[0]), (all.clone(), TOLD), (all, ENOUGH[2])] {
             let mut points: Vec<Asked> = Vec::new();
             let mut taken: Vec<&[String; 2]> = Vec::new();
-            for place in &places {
+            for place in places {
                 if points.len() == count {
                     break;
                 }
                 if taken.contains(&&place.names) {
                     continue;
                 }
-                if let Some(asked) =
-                    self.asked(&base, &models, (&place.names, &place.theta), enough)?
-                {
+                let at = (&place.names, &place.theta[..]);
+                if let Some(asked) = self.asked(&base, &models, at, enough)? {
                     points.push(asked);
                     taken.push(&place.names);
                 }
