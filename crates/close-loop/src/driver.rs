@@ -211,6 +211,10 @@ impl CloseLoop<'_> {
                 state.learn(learned);
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
+                if matches!(outcome.finding.verdict, Verdict::Unknown) {
+                    let left = self.spare(&state, 1 + CONFIRMED_MEMBERS);
+                    state.refine_pairs(left, &self.settings.attribution, watch)?;
+                }
                 if state.runs.everyday == before {
                     return Ok(standing(outcome, stood));
                 }

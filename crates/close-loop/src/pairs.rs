@@ -1,4 +1,4 @@
-//! Two effects together: simulated where their signatures alone would explain the data.
+//! Two effects together: simulated where what is known of either alone does not keep them from explaining the data.
 
 use calib::CalibError;
 use calib::attribution::{PairFit, PairPlace, Settings};
