@@ -201,7 +201,10 @@ impl CloseLoop<'_> {
             let tired = round == retries || spare == 0;
             if !(refuted || open) || tired || !learns {
                 // What was kept for answers that are refuted looks on where nobody has looked, once.
-                let left = self.spare(&state, 1 + CONFIRMED_MEMBERS);
+                // Of what nothing explains there is no class to be confirmed, at most a pair.
+                let unknown = matches!(outcome.finding.verdict, Verdict::Unknown);
+                let models = 1 + if unknown { 1 } else { CONFIRMED_MEMBERS };
+                let left = self.spare(&state, models);
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
@@ -211,8 +214,8 @@ impl CloseLoop<'_> {
                 state.learn(learned);
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
-                if matches!(outcome.finding.verdict, Verdict::Unknown) {
-                    let left = self.spare(&state, 1 + CONFIRMED_MEMBERS);
+                if unknown {
+                    let left = self.spare(&state, models);
                     state.refine_pairs(left, &self.settings.attribution, watch)?;
                 }
                 if state.runs.everyday == before {
