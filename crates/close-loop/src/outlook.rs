@@ -17,7 +17,7 @@ const WORTH: f64 = 4.0;
 
 /// Part of what ignorance costs a place that counts against it where an effect is surveyed: little, since friction leads
 /// data along the valley of an effect and not anywhere, so that a far end of it is more probable than its deviance says.
-pub(crate) const DOUBTED: f64 = 0.2;
+const DOUBTED: f64 = 0.2;
 
 /// By how much less chi-square an effect has to promise for every run that it has had, to be surveyed before another.
 pub(crate) const TURN: f64 = 3.0;

@@ -1,7 +1,7 @@
 //! Two effects together: simulated where what is known of either alone does not keep them from explaining the data.
 
 use calib::CalibError;
-use calib::attribution::{PairFit, PairPlace, Settings};
+use calib::attribution::{PairPlace, Settings};
 
 use crate::anchors::Whole;
 use crate::catalogue::Effect;
@@ -10,7 +10,7 @@ use crate::confirm::Learned;
 use crate::driver::{State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::outlook::{DOUBTED, LUCK, TURN, doubted};
+use crate::outlook::{LUCK, TURN, doubted};
 use crate::refine::{Asked, ENOUGH, TOLD};
 
 /// Pairs of either kind that are looked into.
@@ -116,12 +116,11 @@ impl State<'_> {
         let together = self.pair_models_of(&base, &simulated)?;
         let question = self.question(&base, &models, &together, settings);
         let mut short = Vec::new();
-        let (without, mut fits) = question.pair_fits(Some(&simulated))?;
-        fits.retain(|f| f.fit.chi2 < without.chi2);
-        let order = |f: &PairFit| f.fit.chi2 + DOUBTED * (f.fit.deviance - f.fit.chi2);
-        fits.sort_by(|a, b| order(a).total_cmp(&order(b)));
-        short.extend(fits.into_iter().take(SHORT).map(|f| f.names));
-        let (_, fits) = question.pair_fits(Some(&others))?;
+        let (without, fits) = question.pair_fits(Some(&others))?;
+        let mut places = question.pair_places(&simulated, &[])?;
+        places.retain(|p| p.trial.chi2 < without.chi2);
+        places.sort_by(|a, b| doubted(&a.trial).total_cmp(&doubted(&b.trial)));
+        short.extend(places.into_iter().take(SHORT).map(|p| p.names));
         let fits = fits.into_iter().filter(|f| f.eligible);
         short.extend(fits.take(SHORT).map(|f| f.names));
         Ok(short)
@@ -302,15 +301,19 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
 80,30,1,31,1,10,0.5,15,0.5,20
 ";
 
+    fn nothing_known(lab: &Laboratory) -> State<'_> {
+        let case = Case::parse("case.toml", CASE).unwrap();
+        let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
+        let setup = Setup::new(&case, &measured, &LoopSettings::default()).unwrap();
+        let runs = Runs::new(lab, setup.cast, 1);
+        State::new(setup, Effort::nothing(), 0, runs)
+    }
+
     #[test]
     fn what_two_effects_do_together_is_unknown_until_somebody_has_run_both() {
         let folder = tempfile::tempdir().unwrap();
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
-        let case = Case::parse("case.toml", CASE).unwrap();
-        let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
-        let setup = Setup::new(&case, &measured, &LoopSettings::default()).unwrap();
-        let runs = Runs::new(&lab, setup.cast, 1);
-        let mut state = State::new(setup, Effort::nothing(), 0, runs);
+        let mut state = nothing_known(&lab);
         let run = |friction: f64, strengths: &[f64], more: f64| {
             let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-3));
             let lin = 30.0 + 6.0 * (friction / 0.5).ln() + more;
@@ -357,11 +360,7 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
     fn fresh_runs_that_refute_a_pair_are_what_its_model_is_first_made_of() {
         let folder = tempfile::tempdir().unwrap();
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
-        let case = Case::parse("case.toml", CASE).unwrap();
-        let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
-        let setup = Setup::new(&case, &measured, &LoopSettings::default()).unwrap();
-        let runs = Runs::new(&lab, setup.cast, 1);
-        let mut state = State::new(setup, Effort::nothing(), 0, runs);
+        let mut state = nothing_known(&lab);
         let physics = ["cohesion.energy_density_j_m3", "speed.scale"].map(str::to_owned);
         let reading = ["cohesion.energy_density_j_m3", "camera.roll_deg"].map(str::to_owned);
         let run = Sample {
