@@ -116,13 +116,13 @@ impl State<'_> {
         let together = self.pair_models_of(&base, &simulated)?;
         let question = self.question(&base, &models, &together, settings);
         let mut short = Vec::new();
-        let (without, fits) = question.pair_fits(Some(&others))?;
-        let mut places = question.pair_places(&simulated, &[])?;
+        let (without, mut places) = question.pair_places(&simulated, &[])?;
         places.retain(|p| p.trial.chi2 < without.chi2);
         places.sort_by(|a, b| doubted(&a.trial).total_cmp(&doubted(&b.trial)));
         short.extend(places.into_iter().take(SHORT).map(|p| p.names));
-        let fits = fits.into_iter().filter(|f| f.eligible);
-        short.extend(fits.take(SHORT).map(|f| f.names));
+        let (_, added) = question.pair_places(&others, &[])?;
+        let added = added.into_iter().filter(|p| p.eligible);
+        short.extend(added.take(SHORT).map(|p| p.names));
         Ok(short)
     }
 
@@ -138,16 +138,15 @@ impl State<'_> {
         let models = self.models(&base)?;
         let pairs = self.pair_models_of(&base, short)?;
         let question = self.question(&base, &models, &pairs, settings);
-        let (without, fits) = question.pair_fits(Some(short))?;
+        let (without, mut places) = question.pair_places(short, &FRICTIONS)?;
         // Only what may be as good as something known that fits is worth a run.
         let mut limit = f64::INFINITY;
-        for fit in fits.iter().filter(|f| f.eligible) {
-            if self.asked(&base, &models, (&fit.names, &fit.fit.theta), TOLD)?.is_none() {
-                limit = limit.min(fit.fit.deviance + settings.class_deviance());
+        for best in places.iter().filter(|p| p.eligible) {
+            if self.asked(&base, &models, (&best.names, &best.theta), TOLD)?.is_none() {
+                limit = limit.min(best.trial.deviance + settings.class_deviance());
             }
         }
         let sure = without.deviance - without.chi2;
-        let mut places = question.pair_places(short, &FRICTIONS)?;
         places.retain(|p| {
             p.trial.chi2 < without.chi2 && p.trial.chi2 + p.trial.penalty + sure <= limit + LUCK
         });

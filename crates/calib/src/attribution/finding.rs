@@ -181,7 +181,7 @@ pub struct PairFit {
     pub eligible: bool,
 }
 
-/// Two effects at one friction, their strengths fitted.
+/// Two effects at their best fit, or at one friction with their strengths fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairPlace {
     /// Candidates.
@@ -190,6 +190,8 @@ pub struct PairPlace {
     pub theta: Vec<f64>,
     /// How well they explain the data there.
     pub trial: Trial,
+    /// Whether it is the best fit of both, which fits, and no strength is absent or at an end of its range.
+    pub eligible: bool,
 }
 
 /// Posterior probability of one hypothesis.

@@ -81,22 +81,9 @@ impl Attribution<'_> {
         report::trials(self, k, thetas)
     }
 
-    /// Best fit of the base, and of every pair, or of those given by names in the order of the candidates, best deviance
-    /// first, without any test; `eligible` says only that it fits and that neither strength is absent or at an end of its
-    /// range. Their deviance holds what strengths cost by their priors.
-    ///
-    /// # Errors
-    /// As [`Attribution::attribute`].
-    pub fn pair_fits(
-        &self,
-        among: Option<&[[String; 2]]>,
-    ) -> Result<(Fit, Vec<PairFit>), CalibError> {
-        self.check()?;
-        report::pair_fits(self, among)
-    }
-
-    /// Pairs, given by names in the order of the candidates, at their best fit and with the first friction held at these parts
-    /// of its range: to see where along a valley of such fits little is known.
+    /// Best fit of the base, and pairs, given by names in the order of the candidates, at their best fit and with the first
+    /// friction held at these parts of its range, without any test: to see where along a valley of such fits little is known.
+    /// The pair of the best deviance comes first, of each pair its best fit.
     ///
     /// # Errors
     /// As [`Attribution::attribute`].
@@ -104,7 +91,7 @@ impl Attribution<'_> {
         &self,
         among: &[[String; 2]],
         parts: &[f64],
-    ) -> Result<Vec<PairPlace>, CalibError> {
+    ) -> Result<(Fit, Vec<PairPlace>), CalibError> {
         self.check()?;
         report::pair_places(self, among, parts)
     }

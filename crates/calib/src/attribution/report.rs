@@ -120,33 +120,12 @@ pub(super) fn trials(
     thetas.iter().map(one).collect()
 }
 
-/// Best fits of the base and of pairs.
-pub(super) fn pair_fits(
-    attribution: &Attribution<'_>,
-    among: Option<&[[String; 2]]>,
-) -> Result<(Fit, Vec<PairFit>), CalibError> {
-    let observations = &attribution.base.observations;
-    let case = Case::new(attribution, observations, Variation::default(), true)?;
-    let base = case.fit_base()?;
-    let wanted =
-        |a: &str, b: &str| among.is_none_or(|all| all.iter().any(|[c, d]| a == c && b == d));
-    let one = |j: &Judged<'_>| {
-        let fits = j.inside() && j.p_absolute > attribution.settings.level;
-        let mut own = pair_fit(&case, j, fits)?;
-        own.fit.deviance += j.penalty;
-        Ok(own)
-    };
-    let pairs = pairs_fitted(&case, &base, wanted)?;
-    let fits = pairs.iter().map(one).collect::<Result<_, CalibError>>()?;
-    Ok((report_fit(&case, &case.base, &base)?, fits))
-}
-
-/// Pairs along their valleys.
+/// The base, and pairs along their valleys.
 pub(super) fn pair_places(
     attribution: &Attribution<'_>,
     among: &[[String; 2]],
     parts: &[f64],
-) -> Result<Vec<PairPlace>, CalibError> {
+) -> Result<(Fit, Vec<PairPlace>), CalibError> {
     let observations = &attribution.base.observations;
     let case = Case::new(attribution, observations, Variation::default(), true)?;
     let base = case.fit_base()?;
@@ -163,14 +142,15 @@ pub(super) fn pair_places(
             all.push((there.theta, there.chi2, there.deviance));
         }
         let dof = case.data.len() - model.len();
-        places.extend(all.into_iter().map(|(theta, chi2, deviance)| {
+        let fits = judged.inside() && judged.p_absolute > attribution.settings.level;
+        places.extend(all.into_iter().enumerate().map(|(k, (theta, chi2, deviance))| {
             let penalty = ranking::penalty(&case, &judged.of, &theta[model.frictions()..]);
             let p = chi_square_p(chi2, dof);
             let trial = Trial { chi2, penalty, deviance: deviance + penalty, p };
-            PairPlace { names: [name(0), name(1)], theta, trial }
+            PairPlace { names: [name(0), name(1)], theta, trial, eligible: fits && k == 0 }
         }));
     }
-    Ok(places)
+    Ok((report_fit(&case, &case.base, &base)?, places))
 }
 
 fn pair_fit(

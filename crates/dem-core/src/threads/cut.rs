@@ -179,7 +179,6 @@ cut_together!(A B C D);
 cut_together!(A B C D E);
 cut_together!(A B C D E F);
 cut_together!(A B C D E F G);
-cut_together!(A B C D E F G H I J K);
 
 /// Runs of chunks: each part is the chunks from one start to the next, which are handed out in turn.
 pub(crate) struct Runs<'s, C> {
