@@ -7,6 +7,7 @@ use faer::{Mat, Side as Triangle};
 use rig_schema::Response;
 
 use crate::catalogue::Effect;
+use crate::codes::Codes;
 use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
@@ -414,10 +415,13 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<Stri
         ));
     }
     if state.setup.codes.is_some() {
-        all.push(
-            "The data may differ from any simulation by what codes differ among themselves, as the case tells."
-                .to_owned(),
-        );
+        let how = match this.settings.codes {
+            Codes::Given(_) => "as the case tells",
+            _ => "as LIGGGHTS and LAMMPS differ from Tumble in drums that lack nothing",
+        };
+        all.push(format!(
+            "The data may differ from any simulation by what codes differ among themselves, {how}."
+        ));
     }
     all.extend(state.setup.cast.assumed());
     for n in &this.case.nuisance {

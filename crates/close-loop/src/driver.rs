@@ -168,6 +168,14 @@ impl CloseLoop<'_> {
     /// # Errors
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
+        let (state, mut outcome) = self.closed(watch)?;
+        let settings = &self.settings.attribution;
+        outcome.finding.verdict_without_code = state.verdict_without_codes(settings)?;
+        Ok(outcome)
+    }
+
+    /// The answer, and all that was known when it was given.
+    fn closed(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Outcome), CloseLoopError> {
         let (mut state, mut finding) = self.stages(watch)?;
         // Fresh runs are of a rig whose cost a stand-in had to save.
         let costly = state.setup.cast.fresh.is_some();
@@ -208,7 +216,7 @@ impl CloseLoop<'_> {
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
-                    return Ok(standing(outcome, stood));
+                    return Ok((state, standing(outcome, stood)));
                 }
                 looked_on = true;
                 state.learn(learned);
@@ -219,7 +227,7 @@ impl CloseLoop<'_> {
                     state.refine_pairs(left, &self.settings.attribution, watch)?;
                 }
                 if state.runs.everyday == before {
-                    return Ok(standing(outcome, stood));
+                    return Ok((state, standing(outcome, stood)));
                 }
                 if stands {
                     stood = Some(outcome);

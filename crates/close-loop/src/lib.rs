@@ -13,6 +13,7 @@ mod anchors;
 mod calibrate;
 mod catalogue;
 mod coded;
+mod codes;
 mod compare;
 mod confirm;
 mod curve;
@@ -38,6 +39,7 @@ mod volume;
 mod whole_rig;
 
 pub use catalogue::{Catalogue, Effect, Needs};
+pub use codes::Codes;
 pub use curve::{Change, Curve};
 pub use driver::{CloseLoop, Pilot, Stage, Told};
 pub use emulator::{Axis, Emulator, Sample};

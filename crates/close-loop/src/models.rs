@@ -1,7 +1,7 @@
 //! Models of effects, and the question which of them the data call for.
 
 use calib::CalibError;
-use calib::attribution::{Attribution, Candidate, Finding, PairModel, Settings};
+use calib::attribution::{Attribution, Candidate, Finding, PairModel, Settings, Verdict};
 
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model, decode};
@@ -95,7 +95,12 @@ impl State<'_> {
             code_covariance: self.setup.codes.clone(),
             held_out: self.setup.held_out.clone(),
             experiments: Vec::new(),
-            settings: Settings { errors_dof: Some(base.errors_dof()), ..settings.clone() },
+            settings: Settings {
+                errors_dof: Some(base.errors_dof()),
+                // Asked once, of the last answer.
+                without_codes: false,
+                ..settings.clone()
+            },
         }
     }
 
@@ -107,5 +112,22 @@ impl State<'_> {
         let mut finding = self.question(&base, &models, &pairs, settings).attribute()?;
         decode(&mut finding, &models);
         Ok(finding)
+    }
+
+    /// What the answer would be if codes did not differ; `None` where they are said not to.
+    pub(crate) fn verdict_without_codes(
+        &self,
+        settings: &Settings,
+    ) -> Result<Option<Verdict>, CloseLoopError> {
+        if self.setup.codes.is_none() {
+            return Ok(None);
+        }
+        let base = self.base_model()?;
+        let models = self.models(&base)?;
+        let pairs = self.pair_models(&base)?;
+        let quick = Settings { stability_bootstrap: 0, ..settings.clone() };
+        let mut question = self.question(&base, &models, &pairs, &quick);
+        question.code_covariance = None;
+        Ok(Some(question.attribute()?.verdict))
     }
 }

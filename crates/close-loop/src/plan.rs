@@ -6,6 +6,7 @@ use campaign::{CampaignError, drum_rig};
 use rig_schema::{Case, Layer, MeasuredTable, Rig, Simulator, namespace};
 
 use crate::catalogue::{Catalogue, roughness};
+use crate::codes::Codes;
 use crate::emulator::Axis;
 use crate::error::CloseLoopError;
 use crate::runs::{fill_box, rig_at};
@@ -30,7 +31,7 @@ pub struct LoopSettings {
     /// Seed of designs and fillings.
     pub seed: u64,
     /// By how much codes differ that simulate the same.
-    pub codes: Option<CodeCovariance>,
+    pub codes: Codes,
     /// Levels and sizes of the statistics.
     pub attribution: AttributionSettings,
 }
@@ -48,7 +49,7 @@ impl Default for LoopSettings {
             predict: Vec::new(),
             fidelity: Fidelity::Case,
             seed: 1,
-            codes: None,
+            codes: Codes::default(),
             attribution,
         }
     }
@@ -261,7 +262,7 @@ impl Setup {
             simulated,
             catalogue,
             predict: settings.predict.clone(),
-            codes: settings.codes.clone(),
+            codes: settings.codes.covariance(case.rig.drum.radius_m)?,
         })
     }
 

@@ -9,6 +9,9 @@ use crate::plan::{SPEED, leaves};
 use crate::rig::known_keys;
 use crate::{Rig, SchemaError, namespace};
 
+/// What `data.code_differences` says where the data are of the code that fits them.
+pub const NO_DIFFERENCES: &str = "none";
+
 /// Where the measured responses are.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,8 +24,8 @@ pub struct Data {
     /// Fillings of the drum that the means of one speed are averages over, 1 where the file does not say: from one
     /// filling to the next a bed lies otherwise than its frames scatter.
     pub fillings: Option<u32>,
-    /// Table of what another code says of drums that are alike, relative to the case file: the data may
-    /// differ from any simulation by as much.
+    /// Table of what another code says of drums that are alike, relative to the case file, or [`NO_DIFFERENCES`]: the
+    /// data may differ from any simulation by as much.
     pub code_differences: Option<String>,
 }
 

@@ -44,7 +44,8 @@ mod sheet;
 mod table;
 
 pub use case::{
-    Case, CatalogueChoice, Data, Free, Holdout, Nuisance, Simulator, TableBasis, TableSimulator,
+    Case, CatalogueChoice, Data, Free, Holdout, NO_DIFFERENCES, Nuisance, Simulator, TableBasis,
+    TableSimulator,
 };
 pub use code_differences::CodeDifferences;
 pub use diagnostic::Diagnostic;

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use calib::Study;
 use calib_report::page::InputFile;
-use rig_schema::{Case, Errata, ErrataLevel, Erratum, MeasuredTable, SimulatedTable, Simulator};
+use rig_schema::{
+    Case, Errata, ErrataLevel, Erratum, MeasuredTable, NO_DIFFERENCES, SimulatedTable, Simulator,
+};
 
 /// Something that the user named and that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -140,7 +142,7 @@ pub(crate) struct CaseText {
     pub(crate) asked: String,
     pub(crate) case: Text,
     pub(crate) measured: Text,
-    /// What codes differ by, where the case names it.
+    /// What codes differ by, where the case names a table of it.
     pub(crate) codes: Option<Text>,
 }
 
@@ -172,7 +174,8 @@ pub(crate) fn case_text(name: Option<&str>) -> anyhow::Result<CaseText> {
     };
     let data = Case::parse(&case.name, &case.text)?.data;
     let measured = place.read(&data.responses)?;
-    let codes = data.code_differences.map(|file| place.read(&file)).transpose()?;
+    let named = data.code_differences.filter(|name| name != NO_DIFFERENCES);
+    let codes = named.map(|file| place.read(&file)).transpose()?;
     Ok(CaseText { asked: name.to_owned(), case, measured, codes })
 }
 

@@ -1,4 +1,4 @@
-//! What the code itself changes: the same drums by Tumble and by LIGGGHTS, nothing missing in either; and by
+//! What the code itself changes: the same drums by Tumble, LIGGGHTS and LAMMPS, nothing missing in any; and by
 //! Tumble with half the step, and with LIGGGHTS's form of the shear spring (its present stiffness times the whole
 //! displacement).
 
@@ -7,13 +7,12 @@ use std::path::Path;
 
 use anyhow::Context;
 use close_loop::campaign::Run;
+use close_loop::campaign::export::Code;
 use close_loop::rig_schema::{Response, Rig, TangentialLaw};
 
 use super::drums::truth;
-use super::elsewhere;
+use super::elsewhere::{self, Other};
 use super::make::{Care, INTERVAL_S, RESOLUTION, nature, nature_lab};
-use crate::peers::code::locate;
-
 /// Frictions between particles of the matched drums.
 const FRICTIONS: [f64; 3] = [0.3, 0.45, 0.6];
 
@@ -44,14 +43,34 @@ fn difference(a: &[Run], b: &[Run]) -> Vec<[(f64, f64); 4]> {
     (0..speeds).map(|k| std::array::from_fn(|r| one(k, r))).collect()
 }
 
+/// One code in all matched drums, beside Tumble in the same.
+struct Matched {
+    name: &'static str,
+    theirs: Vec<Run>,
+    own: Vec<Run>,
+    whole: Vec<Run>,
+}
+
 pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<()> {
-    let program = locate("TUMBLE_LIGGGHTS", "liggghts").map_err(|e| anyhow::anyhow!(e))?;
     anyhow::ensure!(fillings >= 1, "--fillings is 1 or more");
+    let mut others = Vec::new();
+    for code in [Code::Liggghts, Code::Lammps] {
+        match Other::locate(code) {
+            Ok(other) => others.push(other),
+            Err(why) => println!("{}: left out, {why}", code.name()),
+        }
+    }
     let lab = nature_lab(folder, jobs, RESOLUTION)?;
-    let mut own = Vec::new();
-    let mut fine = Vec::new();
-    let mut whole = Vec::new();
-    let mut other = Vec::new();
+    let (mut own, mut fine, mut whole) = (Vec::new(), Vec::new(), Vec::new());
+    let mut matched: Vec<Matched> = others
+        .iter()
+        .map(|o| Matched {
+            name: o.code.name(),
+            theirs: Vec::new(),
+            own: Vec::new(),
+            whole: Vec::new(),
+        })
+        .collect();
     let mut speeds = Vec::new();
     for (k, friction) in FRICTIONS.into_iter().enumerate() {
         for filling in 0..fillings {
@@ -64,35 +83,43 @@ pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<(
             let runs = lab.run(&rigs, |_| ()).into_iter().collect::<Result<Vec<_>, _>>()?;
             let [first, half, total]: [Run; 3] =
                 runs.try_into().map_err(|_| anyhow::anyhow!("three runs were asked for"))?;
-            let deck = folder.join("codes").join(format!("{friction}-{filling}"));
-            let theirs = elsewhere::run(&program, &rigs[0], &deck, INTERVAL_S, RESOLUTION)
-                .with_context(|| format!("friction {friction}, filling {filling}"))?;
+            for (other, m) in others.iter().zip(&mut matched) {
+                let name = other.code.name().to_lowercase();
+                let deck = folder.join("codes").join(name).join(format!("{friction}-{filling}"));
+                let theirs = elsewhere::run(other, &rigs[0], &deck, INTERVAL_S, RESOLUTION)
+                    .with_context(|| format!("friction {friction}, filling {filling}"))?;
+                m.theirs.push(theirs);
+                m.own.push(first.clone());
+                m.whole.push(total.clone());
+            }
             println!("friction {friction}, filling {filling}");
             own.push(first);
             fine.push(half);
             whole.push(total);
-            other.push(theirs);
         }
     }
-    crate::write_whole(&folder.join("codes.csv"), &differences(&speeds, &other, &own, fillings))?;
-    println!("{}", table("LIGGGHTS less Tumble", &speeds, &difference(&other, &own)));
+    let title = |m: &Matched, rest: &str| format!("{} less Tumble{rest}", m.name);
+    for m in &matched {
+        println!("{}", table(&title(m, ""), &speeds, &difference(&m.theirs, &m.own)));
+        let rest = title(m, " with the spring as a whole");
+        println!("{}", table(&rest, &speeds, &difference(&m.theirs, &m.whole)));
+    }
     println!("{}", table("Half the step less the step", &speeds, &difference(&fine, &own)));
     let law = "The spring as a whole less what is added step by step";
     println!("{}", table(law, &speeds, &difference(&whole, &own)));
-    let rest = "LIGGGHTS less Tumble with the spring as a whole";
-    println!("{}", table(rest, &speeds, &difference(&other, &whole)));
-    Ok(())
+    crate::write_whole(&folder.join("codes.csv"), &differences(&speeds, &matched, fillings))
 }
 
-/// Differences by friction and speed, means over fillings: what `data.code_differences` of a case asks for.
-fn differences(speeds: &[f64], other: &[Run], own: &[Run], fillings: u64) -> String {
+/// Differences by code, friction and speed, means over fillings: what `data.code_differences` of a case asks for.
+fn differences(speeds: &[f64], matched: &[Matched], fillings: u64) -> String {
     let mut text = String::from("pair,omega_rpm");
     for r in Response::ALL {
         let _ = write!(text, ",{}", r.column());
     }
     text.push('\n');
     let n = fillings as usize;
-    for (pair, (other, own)) in other.chunks(n).zip(own.chunks(n)).enumerate() {
+    let pairs = matched.iter().flat_map(|m| m.theirs.chunks(n).zip(m.own.chunks(n)));
+    for (pair, (other, own)) in pairs.enumerate() {
         for (k, speed) in speeds.iter().enumerate() {
             let _ = write!(text, "{},{speed}", pair + 1);
             for r in 0..4 {

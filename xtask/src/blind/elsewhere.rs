@@ -1,6 +1,6 @@
-//! Drums that another code runs: LIGGGHTS by an exported deck.
+//! Drums that another code runs, by an exported deck.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::Context;
@@ -8,10 +8,32 @@ use close_loop::campaign::export::{Code, Schedule, deck, dump_name, positions};
 use close_loop::campaign::{Footage, Resolution, Run};
 use close_loop::rig_schema::Rig;
 
-/// Let LIGGGHTS run a rig in `folder` and look at it as at every drum. What is there already is not
+use crate::peers::code::locate;
+
+/// A code that is installed.
+#[derive(Debug, Clone)]
+pub(crate) struct Other {
+    /// Which one.
+    pub(crate) code: Code,
+    program: PathBuf,
+}
+
+impl Other {
+    /// Where `code` is, by the environment or among the programs.
+    pub(crate) fn locate(code: Code) -> Result<Self, String> {
+        let program = match code {
+            Code::Liggghts => locate("TUMBLE_LIGGGHTS", "liggghts"),
+            Code::Lammps => locate("TUMBLE_LAMMPS", "lmp"),
+            Code::Yade => Err("decks for YADE are not run here".into()),
+        }?;
+        Ok(Self { code, program })
+    }
+}
+
+/// Let another code run a rig in `folder` and look at it as at every drum. What is there already is not
 /// run again.
 pub(crate) fn run(
-    program: &Path,
+    other: &Other,
     rig: &Rig,
     folder: &Path,
     interval_s: f64,
@@ -22,20 +44,25 @@ pub(crate) fn run(
         std::fs::create_dir_all(folder)?;
         let how =
             Schedule { approach_turns: 1.0, interval_s: Some(interval_s), ..Schedule::default() };
-        for file in deck(rig, Code::Liggghts, &how)? {
+        for file in deck(rig, other.code, &how)? {
             std::fs::write(folder.join(&file.name), &file.text)?;
         }
         let screen = std::fs::File::create(folder.join("screen.log"))?;
-        let status = Command::new(program)
+        let status = Command::new(&other.program)
             .current_dir(folder)
-            .args(["-in", Code::Liggghts.script(), "-log", "none"])
+            .args(["-in", other.code.script(), "-log", "none"])
             .env("OMP_NUM_THREADS", "1")
             .stdin(Stdio::null())
             .stderr(screen.try_clone()?)
             .stdout(screen)
             .status()
-            .with_context(|| format!("cannot start {}", program.display()))?;
-        anyhow::ensure!(status.success(), "LIGGGHTS failed ({status}): {}", folder.display());
+            .with_context(|| format!("cannot start {}", other.program.display()))?;
+        anyhow::ensure!(
+            status.success(),
+            "{} failed ({status}): {}",
+            other.code.name(),
+            folder.display()
+        );
         std::fs::write(&done, "")?;
     }
     let mut footages = Vec::new();

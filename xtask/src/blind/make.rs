@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use close_loop::campaign::export::Code;
 use close_loop::campaign::{Laboratory, Resolution, Run, Sampling};
 use close_loop::rig_schema::Rig;
 
 use super::drums::{self, DOSES};
-use super::elsewhere;
+use super::elsewhere::{self, Other};
 use super::sealed::{Truth, seal};
-use crate::peers::code::locate;
 
 /// Speeds of every drum, rpm: Froude numbers 0.013 to 0.27. With three to fit, effects that change the rise with
 /// speed looked like friction.
@@ -233,16 +233,16 @@ pub(crate) fn run(
         let all: Result<Vec<Run>, _> = fillings.into_iter().collect();
         keep(folder, &key, &truths[k], all.map_err(Into::into), care)?;
     }
-    let other = locate("TUMBLE_LIGGGHTS", "liggghts").ok();
+    let other = Other::locate(Code::Liggghts).ok();
     for k in others {
         let truth = &truths[k];
-        let Some(program) = &other else {
+        let Some(other) = &other else {
             println!("{}: left out, LIGGGHTS is not installed", truth.case);
             continue;
         };
         let fillings = rigs[k].iter().enumerate().map(|(filling, rig)| {
             let deck = folder.join("decks").join(&truth.case).join(filling.to_string());
-            elsewhere::run(program, rig, &deck, INTERVAL_S, RESOLUTION)
+            elsewhere::run(other, rig, &deck, INTERVAL_S, RESOLUTION)
         });
         keep(folder, &key, truth, fillings.collect(), care)?;
         println!("{} by another code", truth.case);

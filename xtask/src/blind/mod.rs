@@ -62,7 +62,7 @@ enum Task {
     },
     /// The thesis's twelve configurations with the tables of EDEM: docs/src/closing-the-thesis.md.
     Thesis,
-    /// What the code itself changes: the same drums by Tumble, by Tumble at half the step, and by LIGGGHTS.
+    /// What the code itself changes: the same drums by Tumble, by Tumble at half the step, and by LIGGGHTS and LAMMPS.
     Codes {
         /// Fillings of each of three frictions.
         #[arg(long, default_value_t = 2)]
@@ -76,6 +76,9 @@ enum Task {
         /// Most runs for each.
         #[arg(long, default_value_t = 75)]
         runs: usize,
+        /// LIGGGHTS runs the drums.
+        #[arg(long)]
+        liggghts: bool,
         #[command(flatten)]
         care: make::Care,
     },
@@ -97,6 +100,8 @@ pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
         Task::Score { runs, only, json } => {
             score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)
         }
-        Task::Nulls { count, runs, care } => nulls::run(&folder, *count, *runs, *care, blind.jobs),
+        Task::Nulls { count, runs, liggghts, care } => {
+            nulls::run(&folder, *count, *runs, *liggghts, *care, blind.jobs)
+        }
     }
 }

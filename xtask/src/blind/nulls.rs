@@ -4,12 +4,14 @@ use std::fs::File;
 use std::path::Path;
 
 use close_loop::campaign::Laboratory;
+use close_loop::campaign::export::Code;
 use close_loop::rig_schema::{Case, MeasuredTable};
 use close_loop::{CloseLoop, LoopSettings};
 use serde::{Deserialize, Serialize};
 
 use super::drums::truth;
-use super::make::{Care, averaged, case_text, nature, nature_lab, table};
+use super::elsewhere::{self, Other};
+use super::make::{Care, INTERVAL_S, RESOLUTION, averaged, case_text, nature, nature_lab, table};
 use super::score::fit_sampling;
 
 /// What a drum that lacks nothing was called.
@@ -29,10 +31,13 @@ pub(crate) fn run(
     folder: &Path,
     count: usize,
     runs: usize,
+    liggghts: bool,
     care: Care,
     jobs: usize,
 ) -> anyhow::Result<()> {
-    let own = folder.join("nulls");
+    let other = liggghts.then(|| Other::locate(Code::Liggghts)).transpose();
+    let other = other.map_err(|e| anyhow::anyhow!(e))?;
+    let own = folder.join(if liggghts { "nulls_liggghts" } else { "nulls" });
     std::fs::create_dir_all(&own)?;
     let picture = fit_sampling();
     let drums = nature_lab(folder, jobs, picture.resolution)?;
@@ -47,8 +52,17 @@ pub(crate) fn run(
         }
         let truth = truth("null", "tumble", [0.28, 0.37, 0.46][k % 3], &[]);
         let rigs = nature(&truth, 900_000 + k as u64, care)?;
-        let fillings: Result<Vec<_>, _> = drums.run(&rigs, |_| ()).into_iter().collect();
-        let Some(run) = fillings.ok().and_then(|f| averaged(&f)) else {
+        let fillings: Option<Vec<_>> = match &other {
+            None => drums.run(&rigs, |_| ()).into_iter().collect::<Result<_, _>>().ok(),
+            Some(other) => {
+                let deck = |filling| own.join(format!("{k:03}-{filling}"));
+                let runs = rigs.iter().enumerate();
+                runs.map(|(f, rig)| elsewhere::run(other, rig, &deck(f), INTERVAL_S, RESOLUTION))
+                    .collect::<Result<_, _>>()
+                    .ok()
+            }
+        };
+        let Some(run) = fillings.and_then(|f| averaged(&f)) else {
             println!("{k}: the drum failed");
             continue;
         };

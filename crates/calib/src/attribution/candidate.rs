@@ -175,6 +175,8 @@ pub struct Settings {
     pub most_pairs: usize,
     /// Power at which detectable strengths are given.
     pub power: f64,
+    /// Whether the answer without the covariance between codes is asked for as well, which takes as long as the other.
+    pub without_codes: bool,
 }
 
 impl Settings {
@@ -199,6 +201,7 @@ impl Default for Settings {
             class_cosine: 0.95,
             most_pairs: 3,
             power: 0.9,
+            without_codes: true,
         }
     }
 }

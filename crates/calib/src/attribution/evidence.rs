@@ -26,9 +26,10 @@ const LENGTH: f64 = 1.0 / 3.0;
 /// Searches at a renewed covariance for each strength of a profile.
 const RENEWALS: usize = 2;
 
-/// Part of what a model's ignorance costs that counts against a strength: the errors of a surface go together over
-/// speeds and responses, so the whole would exclude what was never looked at. A tenth is on the wide side.
-const IGNORANCE: f64 = 0.1;
+/// Part of what a model's ignorance costs that counts against a strength, or against an effect beside another: the errors of
+/// a surface go together over speeds and responses, so the whole would exclude what was never looked at. A tenth is on the
+/// wide side.
+pub(super) const IGNORANCE: f64 = 0.1;
 
 /// Logarithm of the volume that the curvature leaves of the unit ranges.
 fn log_volume(columns: &[Vec<f64>]) -> f64 {

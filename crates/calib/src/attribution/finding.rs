@@ -312,7 +312,7 @@ pub struct NextExperiment {
 pub struct Finding {
     /// The answer.
     pub verdict: Verdict,
-    /// The answer without the covariance between codes, where one was given.
+    /// The answer without the covariance between codes, where one was given and this was asked for.
     pub verdict_without_code: Option<Verdict>,
     /// Whether anything is missing.
     pub gate: Gate,

@@ -6,7 +6,7 @@
 //! their own improvement is significant, whatever layer they act on.
 
 use super::data::Data;
-use super::evidence::{laplace, unknown};
+use super::evidence::{IGNORANCE, laplace, unknown};
 use super::gate::{Case, Screen};
 use super::held_out::{Compared, predict};
 use super::model::Model;
@@ -113,6 +113,14 @@ impl Judged<'_> {
     /// Deviance of the fit with what its strengths cost by their priors.
     pub(super) fn deviance(&self) -> f64 {
         self.fit.deviance() + self.penalty
+    }
+
+    /// By how much more it deviates than `other`; what is less known of it than of that counts for little, so that nothing
+    /// leaves a class for want of runs.
+    fn behind(&self, other: &Judged<'_>) -> f64 {
+        let all = self.deviance() - other.deviance();
+        let ignorance = self.fit.weight.log_det - other.fit.weight.log_det;
+        all - (1.0 - IGNORANCE) * ignorance.max(0.0)
     }
 
     pub(super) fn dof(&self, case: &Case<'_, '_>) -> usize {
@@ -225,7 +233,7 @@ pub(super) fn decide<'s>(
     }
     sort(&mut singles);
     let name = |k: usize| case.attribution.candidates[k].name.clone();
-    let class = class_of(&singles, settings.class_ratio);
+    let class = class_of(&singles, settings.class_ratio, |a, b| a.behind(b));
     let mut pairs = Vec::new();
     let verdict = if screen.gate.passes {
         Verdict::None
@@ -235,7 +243,9 @@ pub(super) fn decide<'s>(
         Verdict::Class(class.iter().map(|i| name(singles[*i].of[0])).collect())
     } else {
         pairs = fit_pairs(case, base, &singles, &folds)?;
-        let class = class_of(&pairs, settings.class_ratio);
+        // There are so many that some fit for want of runs: these are charged for it.
+        let charged = |a: &Judged<'_>, b: &Judged<'_>| a.deviance() - b.deviance();
+        let class = class_of(&pairs, settings.class_ratio, charged);
         if (1..=settings.most_pairs).contains(&class.len()) {
             let both = |i: &usize| [name(pairs[*i].of[0]), name(pairs[*i].of[1])];
             Verdict::Pairs(class.iter().map(both).collect())
@@ -253,11 +263,15 @@ fn sort(judged: &mut [Judged<'_>]) {
     judged.sort_by(|a, b| a.deviance().total_cmp(&b.deviance()));
 }
 
-/// The best that is eligible, and those that explain the data as well: within the ratio of it, and of these
-/// no more than hold all but one part in `ratio` of the likelihood together.
-fn class_of(judged: &[Judged<'_>], ratio: f64) -> Vec<usize> {
+/// The best that is eligible, and those that explain the data as well: within the ratio of it by how far they are
+/// `behind`, and of these no more than hold all but one part in `ratio` of the likelihood together.
+fn class_of(
+    judged: &[Judged<'_>],
+    ratio: f64,
+    behind: impl Fn(&Judged<'_>, &Judged<'_>) -> f64,
+) -> Vec<usize> {
     let Some(winner) = judged.iter().position(|j| j.eligible) else { return Vec::new() };
-    let likelihood = |i: usize| (0.5 * (judged[winner].deviance() - judged[i].deviance())).exp();
+    let likelihood = |i: usize| (-0.5 * behind(&judged[i], &judged[winner])).exp();
     let also = |i: &usize| judged[*i].explains && likelihood(*i) * ratio >= 1.0;
     let mut class: Vec<usize> = (0..judged.len()).filter(also).collect();
     class.sort_by_key(|i| (*i != winner, *i));

@@ -52,12 +52,12 @@ pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibErr
         }
     }
     let verdict_without_code = match attribution.code_covariance {
-        Some(_) => {
+        Some(_) if settings.without_codes => {
             let without = Case::new(attribution, observations, Variation::default(), false)?;
             let screen = Screen::new(&without, settings.bootstrap, true)?;
             Some(decide(&without, &screen, false)?.verdict)
         }
-        None => None,
+        _ => None,
     };
     let overturn = if screen.gate.passes { None } else { Some(overturn(&case, &screen)?) };
     Ok(Finding {

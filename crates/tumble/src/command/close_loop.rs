@@ -7,7 +7,9 @@ use std::time::Instant;
 use anyhow::Context;
 use calib::attribution::CodeCovariance;
 use campaign::{Laboratory, Resolution, Sampling};
-use close_loop::{CloseLoop, CloseLoopError, Errors, LoopSettings, Outcome, ResponseErrors, Stage};
+use close_loop::{
+    CloseLoop, CloseLoopError, Codes, Errors, LoopSettings, Outcome, ResponseErrors, Stage,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use rig_schema::{Case, CodeDifferences, MeasuredTable, Simulator};
 use serde::Serialize;
@@ -78,7 +80,7 @@ pub(crate) fn run(args: &CloseLoopArgs) -> anyhow::Result<()> {
     if matches!(case.simulator, Simulator::Table(_)) {
         refuse_what_needs_a_rig(args, &text)?;
     }
-    let codes = code_covariance(&text)?;
+    let codes = codes(&case, &text)?;
     let folder = output::folder(args.out.as_deref(), &format!("close_loop_{}", case.rig.name))?;
     let outcome = match &case.simulator {
         Simulator::Rig { .. } => by_runs(args, &case, &measured, codes, &folder)?,
@@ -110,18 +112,21 @@ fn refuse_what_needs_a_rig(args: &CloseLoopArgs, text: &CaseText) -> Result<(), 
     Ok(())
 }
 
-/// By how much codes differ, where the case tells.
-fn code_covariance(text: &CaseText) -> anyhow::Result<Option<CodeCovariance>> {
-    let Some(codes) = &text.codes else { return Ok(None) };
+/// By how much codes differ.
+fn codes(case: &Case, text: &CaseText) -> anyhow::Result<Codes> {
+    let Some(codes) = &text.codes else {
+        let alike = case.data.code_differences.is_some();
+        return Ok(if alike { Codes::Alike } else { Codes::Usual });
+    };
     let table = CodeDifferences::parse(&codes.name, &codes.text)?;
-    Ok(Some(CodeCovariance::from_differences(table.speeds_rpm, table.pairs)?))
+    Ok(Codes::Given(CodeCovariance::from_differences(table.speeds_rpm, table.pairs)?))
 }
 
 fn by_runs(
     args: &CloseLoopArgs,
     case: &Case,
     measured: &MeasuredTable,
-    codes: Option<CodeCovariance>,
+    codes: Codes,
     folder: &std::path::Path,
 ) -> anyhow::Result<Outcome> {
     let resolution = Resolution { width_px: args.width, ..Resolution::default() };

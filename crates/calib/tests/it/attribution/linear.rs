@@ -219,6 +219,37 @@ fn an_interval_reaches_as_far_as_nothing_is_known() {
 }
 
 #[test]
+fn what_is_known_less_does_not_leave_a_class_for_that() {
+    let (base, line) = (Line(None), Line(Some(|slope| slope)));
+    // The same line, of which each angle has three more standard deviations that nobody has simulated away; or a tenth.
+    let [sxx, sxy, syy] = sums();
+    let (best, rest) = (sxy / sxx, (syy - sxy * sxy / sxx) / (SD * SD));
+    let vague = |sds: f64| Vague { from: best - 1.0, growth: sds };
+    let (hardly, little) = (vague(3.0), vague(0.1));
+    let ask = |rival: &Vague| {
+        let settings = Settings { stability_bootstrap: 0, ..Settings::default() };
+        let angles = SPEEDS.into_iter().zip(ANGLE);
+        let mut all = question((&base, &line), angles, ((-0.5, 0.5), None), settings);
+        let second =
+            Candidate { name: "vague".to_owned(), simulator: rival, ..all.candidates[0].clone() };
+        all.candidates.push(second);
+        all.attribute().expect("is well posed")
+    };
+    for (rival, apart) in [(&hardly, true), (&little, false)] {
+        let f = ask(rival);
+        let both = Verdict::Class(vec!["slope".to_owned(), "vague".to_owned()]);
+        let [first, second] = [0, 1].map(|k| f.ranked[k].fit.deviance);
+        // Its variance goes up: chi-square is divided by it, its logarithm is charged; the fit may move a little.
+        let all = 1.0 + rival.unknown(best);
+        let expected = rest * (1.0 / all - 1.0) + 7.0 * all.ln();
+        assert!((second - first - expected).abs() < 0.6, "{} {expected}", second - first);
+        // By the whole of it, beyond the ratio of twenty: 6.0.
+        assert_eq!(second - first > 6.0, apart);
+        assert_eq!(f.verdict, both);
+    }
+}
+
+#[test]
 fn a_line_is_found_with_the_numbers_of_algebra() {
     let (base, line) = (Line(None), Line(Some(|slope| slope)));
     let settings = Settings { bootstrap: 1999, stability_bootstrap: 0, ..Settings::default() };
