@@ -2,7 +2,7 @@
 
 use close_loop::campaign::{Laboratory, Resolution, Sampling};
 use close_loop::rig_schema::{Case, MeasuredTable};
-use close_loop::{CloseLoop, CloseLoopError, Fidelity, LoopSettings, Outcome};
+use close_loop::{CloseLoop, CloseLoopError, Codes, Fidelity, LoopSettings, Outcome};
 
 const CASE: &str = r#"
 name = "tiny"
@@ -50,11 +50,19 @@ fn close_by(
     jobs: usize,
     fidelity: Fidelity,
 ) -> Result<Outcome, CloseLoopError> {
+    close_with(folder, table, jobs, LoopSettings { fidelity, ..LoopSettings::default() })
+}
+
+fn close_with(
+    folder: &std::path::Path,
+    table: &str,
+    jobs: usize,
+    settings: LoopSettings,
+) -> Result<Outcome, CloseLoopError> {
     let case = Case::parse("case.toml", CASE).unwrap();
     let measured = MeasuredTable::parse("measured.csv", table).unwrap();
     let lab = laboratory(folder, jobs);
-    let mut settings =
-        LoopSettings { runs: Some(38), predict: vec![65.0], fidelity, ..LoopSettings::default() };
+    let mut settings = LoopSettings { runs: Some(38), predict: vec![65.0], ..settings };
     settings.attribution.bootstrap = 99;
     settings.attribution.stability_bootstrap = 0;
     CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings }.run(&mut |_| ())
@@ -88,6 +96,14 @@ fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
     }
     let again = close(one.path(), IMPOSSIBLE, 1).unwrap();
     assert_eq!(words(&first), words(&again));
+    // Codes are taken to differ, and it is said what the answer would be if they did not.
+    assert!(first.finding.verdict_without_code.is_some());
+    assert!(first.assumed.iter().any(|a| a.contains("LIGGGHTS and LAMMPS")), "{:?}", first.assumed);
+    let own = LoopSettings { codes: Codes::Alike, ..LoopSettings::default() };
+    let alike = close_with(one.path(), IMPOSSIBLE, 2, own).unwrap();
+    assert_eq!(alike.finding.verdict_without_code, None);
+    assert!(alike.assumed.iter().all(|a| !a.contains("LIGGGHTS")), "{:?}", alike.assumed);
+    assert!(alike.before.errors.chi2 > first.before.errors.chi2);
     // A speed between the two is predicted between their values.
     let own = &first.before.predictions;
     assert_eq!(own.len(), 4);

@@ -289,4 +289,27 @@ mod tests {
         let this = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
         assert!(this.planned().unwrap() <= EMBEDDED_RUNS);
     }
+
+    #[test]
+    fn a_case_says_by_how_much_codes_differ() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let drum = input::case_text(None).expect("is embedded");
+        let path = folder.path().join("case.toml");
+        std::fs::write(folder.path().join("measured.csv"), &drum.measured.text).expect("written");
+        let table = "pair,omega_rpm,aor_lin_deg,aor_mid_deg,cen_x_pct,cen_y_pct\n1,20,0.5,0,0,0\n";
+        std::fs::write(folder.path().join("codes.csv"), table).expect("written");
+        let said = |what: &str| {
+            let text = drum.case.text.replace("[data]\n", &format!("[data]\n{what}\n"));
+            std::fs::write(&path, &text).expect("written");
+            let text = input::case_text(path.to_str()).expect("is read");
+            let case = Case::parse(&text.case.name, &text.case.text).expect("is well formed");
+            codes(&case, &text).expect("is well formed")
+        };
+        assert_eq!(said(""), Codes::Usual);
+        assert_eq!(said("code_differences = \"none\""), Codes::Alike);
+        let Codes::Given(given) = said("code_differences = \"codes.csv\"") else {
+            panic!("not as given")
+        };
+        assert!((given.covariance((20.0, 0), (30.0, 0)) - 0.25).abs() < 1e-12);
+    }
 }
