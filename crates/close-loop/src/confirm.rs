@@ -2,6 +2,7 @@
 
 use calib::attribution::{Finding, Verdict};
 use calib::{Nuisance, Observations, variance_ratio_p};
+use campaign::SpeedRow;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
 use rig_schema::Response;
@@ -38,6 +39,13 @@ pub(crate) struct Fresh {
     points: Values,
     /// The runs, for the models to learn from if they are refuted: of the whole rig where a stand-in is simulated otherwise.
     pub(crate) samples: Vec<Sample>,
+    runs: Vec<Made>,
+    /// Rows of the speeds to predict, of each run.
+    asked: Vec<Vec<SpeedRow>>,
+    /// Frictions.
+    theta: Vec<f64>,
+    /// Whether codes were taken to differ.
+    codes_differ: bool,
 }
 
 /// What fresh runs of one effect or of two have shown: paths, runs.
@@ -62,6 +70,10 @@ pub(crate) fn outcome(
     let is_pair = matches!(finding.verdict, Verdict::Pairs(_));
     if state.before.is_none() {
         state.before = fresh(state, &base, &finding.base.theta, &[], round, watch)?;
+    }
+    // What is compared with each other is held against the data in the same way.
+    if let Some(b) = state.before.take_if(|b| b.codes_differ != state.codes_differ) {
+        state.before = Some(compared(state, &base, &b.theta, &[], (b.runs, b.asked))?);
     }
     let Some(before) = state.before.clone() else {
         let asked = state.fillings();
@@ -227,6 +239,17 @@ pub(crate) fn fresh(
     }
     // Speeds to predict are set aside; the rest is as in every other run.
     let asked = predicted_rows(&mut runs, &state.setup);
+    Ok(Some(compared(state, base, theta, effects, (runs, asked))?))
+}
+
+/// Fresh runs of a model, and rows of the speeds to predict, held against the data.
+fn compared(
+    state: &State<'_>,
+    base: &Emulator,
+    theta: &[f64],
+    effects: &[(Effect, f64)],
+    (runs, asked): (Vec<Made>, Vec<Vec<SpeedRow>>),
+) -> Result<Fresh, CloseLoopError> {
     let n = runs.len() as f64;
     // As if they had the volume that is expected.
     let excess = runs.iter().map(|m| m.excess).sum::<f64>() / n;
@@ -258,7 +281,7 @@ pub(crate) fn fresh(
             _ => 0.0,
         };
         let at = |i: usize| (items[i].omega_rpm, items[i].response.index());
-        let codes = state.setup.codes.as_ref().map_or(0.0, |c| c.covariance(at(i), at(j)));
+        let codes = state.codes().map_or(0.0, |c| c.covariance(at(i), at(j)));
         measured + codes + predicted.covariance(place[i], place[j])
     };
     let residual: Vec<f64> =
@@ -323,7 +346,9 @@ pub(crate) fn fresh(
     let at: Vec<f64> = theta.iter().copied().chain(effects.iter().map(|(_, s)| *s)).collect();
     let samples = runs.iter().map(|run| sample(at.clone(), run)).collect();
     let side = Side { effect, at: named, fillings: runs.len(), errors, predictions };
-    Ok(Some(Fresh { side, points, samples }))
+    let theta = theta.to_vec();
+    let codes_differ = state.codes_differ;
+    Ok(Fresh { side, points, samples, runs, asked, theta, codes_differ })
 }
 
 fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
@@ -415,13 +440,18 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<Stri
         ));
     }
     if state.setup.codes.is_some() {
-        let how = match this.settings.codes {
-            Codes::Given(_) => "as the case tells",
-            _ => "as LIGGGHTS and LAMMPS differ from Tumble in drums that lack nothing",
+        let how = match (&this.settings.codes, state.codes_differ) {
+            (Codes::Given(_), _) => {
+                "The data may differ from any simulation by what codes differ among themselves, as the case tells."
+            }
+            (_, true) => {
+                "The data may differ from any simulation by what LIGGGHTS and LAMMPS differ by from Tumble in drums that lack nothing: that explains them better."
+            }
+            (_, false) => {
+                "That the data differ from any simulation by what LIGGGHTS and LAMMPS differ by from Tumble explains them no better, so they are taken not to."
+            }
         };
-        all.push(format!(
-            "The data may differ from any simulation by what codes differ among themselves, {how}."
-        ));
+        all.push(how.to_owned());
     }
     all.extend(state.setup.cast.assumed());
     for n in &this.case.nuisance {

@@ -114,12 +114,16 @@ pub(crate) struct State<'a> {
     pub(crate) modes: Vec<Vec<[f64; 4]>>,
     /// The base model by fresh runs, which every answer is compared with.
     pub(crate) before: Option<Fresh>,
+    /// Whether the data are taken to differ from any simulation by what codes differ by.
+    pub(crate) codes_differ: bool,
 }
 
 impl<'a> State<'a> {
     /// Nothing known yet.
     pub(crate) fn new(setup: Setup, effort: Effort, most: usize, runs: Runs<'a>) -> Self {
+        let codes_differ = setup.codes.is_some() && !setup.codes_may_agree;
         Self {
+            codes_differ,
             setup,
             effort,
             most,
@@ -168,14 +172,6 @@ impl CloseLoop<'_> {
     /// # Errors
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
-        let (state, mut outcome) = self.closed(watch)?;
-        let settings = &self.settings.attribution;
-        outcome.finding.verdict_without_code = state.verdict_without_codes(settings)?;
-        Ok(outcome)
-    }
-
-    /// The answer, and all that was known when it was given.
-    fn closed(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Outcome), CloseLoopError> {
         let (mut state, mut finding) = self.stages(watch)?;
         // Fresh runs are of a rig whose cost a stand-in had to save.
         let costly = state.setup.cast.fresh.is_some();
@@ -216,7 +212,7 @@ impl CloseLoop<'_> {
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
-                    return Ok((state, standing(outcome, stood)));
+                    return Ok(standing(outcome, stood));
                 }
                 looked_on = true;
                 state.learn(learned);
@@ -227,7 +223,7 @@ impl CloseLoop<'_> {
                     state.refine_pairs(left, &self.settings.attribution, watch)?;
                 }
                 if state.runs.everyday == before {
-                    return Ok((state, standing(outcome, stood)));
+                    return Ok(standing(outcome, stood));
                 }
                 if stands {
                     stood = Some(outcome);

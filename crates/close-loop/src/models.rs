@@ -1,7 +1,7 @@
 //! Models of effects, and the question which of them the data call for.
 
 use calib::CalibError;
-use calib::attribution::{Attribution, Candidate, Finding, PairModel, Settings, Verdict};
+use calib::attribution::{Attribution, Candidate, CodeCovariance, Finding, PairModel, Settings};
 
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model, decode};
@@ -92,42 +92,56 @@ impl State<'_> {
             base: self.problem(base),
             candidates,
             pair_models,
-            code_covariance: self.setup.codes.clone(),
+            code_covariance: self.codes().cloned(),
             held_out: self.setup.held_out.clone(),
             experiments: Vec::new(),
             settings: Settings {
                 errors_dof: Some(base.errors_dof()),
-                // Asked once, of the last answer.
+                // Asked by itself.
                 without_codes: false,
                 ..settings.clone()
             },
         }
     }
 
-    /// Ask which effect the data call for.
-    pub(crate) fn attribute(&self, settings: &Settings) -> Result<Finding, CloseLoopError> {
+    /// Ask which effect the data call for; where codes may differ, with and without that, and what explains the data
+    /// better stands. The answer without is told beside it.
+    pub(crate) fn attribute(&mut self, settings: &Settings) -> Result<Finding, CloseLoopError> {
         let base = self.base_model()?;
         let models = self.models(&base)?;
         let pairs = self.pair_models(&base)?;
-        let mut finding = self.question(&base, &models, &pairs, settings).attribute()?;
-        decode(&mut finding, &models);
-        Ok(finding)
+        let ask = |codes: Option<&CodeCovariance>| {
+            let mut question = self.question(&base, &models, &pairs, settings);
+            question.code_covariance = codes.cloned();
+            let mut finding = question.attribute()?;
+            decode(&mut finding, &models);
+            Ok::<Finding, CloseLoopError>(finding)
+        };
+        let alike = ask(None)?;
+        let Some(codes) = &self.setup.codes else { return Ok(alike) };
+        let without = Some(alike.verdict.clone());
+        let differing = ask(Some(codes))?;
+        let differ =
+            !self.setup.codes_may_agree || best(&differing, settings) < best(&alike, settings);
+        let finding = if differ { differing } else { alike };
+        self.codes_differ = differ;
+        Ok(Finding { verdict_without_code: without, ..finding })
     }
 
-    /// What the answer would be if codes did not differ; `None` where they are said not to.
-    pub(crate) fn verdict_without_codes(
-        &self,
-        settings: &Settings,
-    ) -> Result<Option<Verdict>, CloseLoopError> {
-        if self.setup.codes.is_none() {
-            return Ok(None);
-        }
-        let base = self.base_model()?;
-        let models = self.models(&base)?;
-        let pairs = self.pair_models(&base)?;
-        let quick = Settings { stability_bootstrap: 0, ..settings.clone() };
-        let mut question = self.question(&base, &models, &pairs, &quick);
-        question.code_covariance = None;
-        Ok(Some(question.attribute()?.verdict))
+    /// By how much codes differ, where they are taken to.
+    pub(crate) fn codes(&self) -> Option<&CodeCovariance> {
+        self.setup.codes.as_ref().filter(|_| self.codes_differ)
     }
+}
+
+/// Deviance of what explains the data best, nothing or one effect, with what it costs by its prior mass.
+fn best(finding: &Finding, settings: &Settings) -> f64 {
+    let rest = 1.0 - settings.prior_none - settings.prior_unknown - settings.prior_pairs;
+    let single = rest / finding.ranked.len().max(1) as f64;
+    let cost = |mass: f64| -2.0 * mass.ln();
+    finding
+        .ranked
+        .iter()
+        .map(|r| r.fit.deviance + cost(single))
+        .fold(finding.base.deviance + cost(settings.prior_none), f64::min)
 }

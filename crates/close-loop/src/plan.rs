@@ -185,6 +185,8 @@ pub(crate) struct Setup {
     pub(crate) fillings: u32,
     /// By how much codes differ.
     pub(crate) codes: Option<CodeCovariance>,
+    /// Whether they do is for the data to say.
+    pub(crate) codes_may_agree: bool,
 }
 
 impl Setup {
@@ -263,6 +265,7 @@ impl Setup {
             catalogue,
             predict: settings.predict.clone(),
             codes: settings.codes.covariance(case.rig.drum.radius_m)?,
+            codes_may_agree: settings.codes == Codes::Usual,
         })
     }
 

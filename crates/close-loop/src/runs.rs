@@ -14,6 +14,7 @@ use crate::error::CloseLoopError;
 use crate::stand_in::{Cast, StandIn};
 
 /// A run, and what is known of its filling.
+#[derive(Clone)]
 pub(crate) struct Made {
     pub(crate) run: Run,
     /// By how much more solid it held than is expected of the rig, as a part of that.

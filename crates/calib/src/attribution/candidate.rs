@@ -171,7 +171,7 @@ pub struct Settings {
     pub class_ratio: f64,
     /// Whitened cosine above which two signatures count as collinear.
     pub class_cosine: f64,
-    /// Most pairs that may explain the data equally well and still be named.
+    /// Most pairs that may explain the data equally well and still be named, where they have no member in common.
     pub most_pairs: usize,
     /// Power at which detectable strengths are given.
     pub power: f64,

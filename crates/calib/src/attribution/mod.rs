@@ -14,6 +14,7 @@ mod held_out;
 mod linear;
 mod model;
 mod next;
+mod pairs;
 mod ranking;
 mod report;
 mod signature;

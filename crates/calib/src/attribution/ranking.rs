@@ -6,11 +6,12 @@
 //! their own improvement is significant, whatever layer they act on.
 
 use super::data::Data;
-use super::evidence::{IGNORANCE, laplace, unknown};
+use super::evidence::IGNORANCE;
 use super::gate::{Case, Screen};
 use super::held_out::{Compared, predict};
 use super::model::Model;
-use super::solver::{Settled, held, optima};
+use super::pairs::{are_named, fit_pairs};
+use super::solver::{Settled, optima};
 use super::{Layer, Verdict};
 use crate::{CalibError, chi_square_p};
 
@@ -28,9 +29,6 @@ const LEAST_FOR_ENDS: usize = 5;
 pub fn at_the_end(part: f64) -> bool {
     !(0.02..=0.98).contains(&part)
 }
-
-/// How much better than the level a pair must fit.
-const PAIR_FACTOR: f64 = 10.0;
 
 /// Training data of each fold, and the same followed by its test data.
 pub(super) struct Folds {
@@ -146,7 +144,7 @@ impl Judged<'_> {
     /// Held-out errors against the base: the gain at one speed left out (else of the given set). A set of
     /// three speeds or more is judged of itself; fewer, given beside speeds left out, only together with
     /// them: the noise of one alone would refuse every third true effect that is weak.
-    fn judge_held_out(
+    pub(super) fn judge_held_out(
         &mut self,
         case: &Case<'_, '_>,
         base: &Settled,
@@ -246,7 +244,8 @@ pub(super) fn decide<'s>(
         // There are so many that some fit for want of runs: these are charged for it.
         let charged = |a: &Judged<'_>, b: &Judged<'_>| a.deviance() - b.deviance();
         let class = class_of(&pairs, settings.class_ratio, charged);
-        if (1..=settings.most_pairs).contains(&class.len()) {
+        let members: Vec<&[usize]> = class.iter().map(|i| &pairs[*i].of[..]).collect();
+        if are_named(&members, settings.most_pairs) {
             let both = |i: &usize| [name(pairs[*i].of[0]), name(pairs[*i].of[1])];
             Verdict::Pairs(class.iter().map(both).collect())
         } else {
@@ -259,7 +258,7 @@ pub(super) fn decide<'s>(
     Ok(Decision { singles, pairs, folds, verdict })
 }
 
-fn sort(judged: &mut [Judged<'_>]) {
+pub(super) fn sort(judged: &mut [Judged<'_>]) {
     judged.sort_by(|a, b| a.deviance().total_cmp(&b.deviance()));
 }
 
@@ -353,91 +352,6 @@ pub(super) fn penalty(case: &Case<'_, '_>, of: &[usize], strengths: &[f64]) -> f
         candidate.strength_sd.map(|sd| ((s - candidate.null) / sd).powi(2))
     };
     of.iter().zip(strengths).filter_map(one).sum()
-}
-
-/// All pairs.
-///
-/// Two strengths can imitate much that is not in the catalogue, so that a pair is held to more
-/// than a single effect. It is eligible if it fits at ten times the level; if each of its effects
-/// is needed (deviance beyond the class's ratio of either alone, by the effect's own model and by the pair's, whose
-/// runs are others) and neither they nor a friction sit at an end of their range; if speeds left out agree better than
-/// with the best single effect; and if it is more probable than "unknown" at the priors given.
-fn fit_pairs<'s>(
-    case: &Case<'_, 's>,
-    base: &Settled,
-    singles: &[Judged<'s>],
-    folds: &[Folds],
-) -> Result<Vec<Judged<'s>>, CalibError> {
-    let settings = &case.attribution.settings;
-    let candidates = &case.attribution.candidates;
-    let within = settings.class_deviance();
-    let alone = |k: usize| singles.iter().find(|j| j.of[0] == k).map(|j| j.deviance());
-    let best_gain = singles.iter().filter_map(|j| j.gain).fold(0.0, f64::max);
-    let count = (candidates.len() * candidates.len().saturating_sub(1) / 2).max(1) as f64;
-    let unknown = unknown(&case.base, &case.data, base)? + settings.prior_unknown.ln();
-    let prior = (settings.prior_pairs / count).ln();
-    let mut pairs = Vec::new();
-    for mut judged in pairs_fitted(case, base, |_, _| true)? {
-        let needed =
-            judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.deviance() > within));
-        let probable = laplace(&judged.fit) + prior > unknown;
-        let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
-        judged.explains =
-            fits && needed && judged.inside() && probable && lacks_neither(case, &judged, within)?;
-        if judged.explains {
-            judged.judge_held_out(case, base, folds)?;
-            judged.explains &= judged.gain.is_none_or(|g| g > best_gain);
-        }
-        judged.eligible = judged.explains;
-        pairs.push(judged);
-    }
-    Ok(pairs)
-}
-
-/// Whether the pair's own model does worse by more than `within` with either strength absent. What a surface learnt
-/// from runs of both may fit the data with one of them as good as off, where the surface of the other alone did not.
-fn lacks_neither(
-    case: &Case<'_, '_>,
-    judged: &Judged<'_>,
-    within: f64,
-) -> Result<bool, CalibError> {
-    let model = &judged.model;
-    let absent = model.unit(&model.absent(&judged.fit.theta[..model.frictions()]));
-    for axis in model.frictions()..model.len() {
-        let mut unit = judged.fit.point.unit.clone();
-        unit[axis] = absent[axis];
-        let without = held(model, &case.data, &unit, axis)?;
-        let penalty = penalty(case, &judged.of, &without.theta[model.frictions()..]);
-        if without.deviance + penalty - judged.deviance() <= within {
-            return Ok(false);
-        }
-    }
-    Ok(true)
-}
-
-/// Best fit of every pair that is `wanted`, best deviance first, not judged yet.
-pub(super) fn pairs_fitted<'s>(
-    case: &Case<'_, 's>,
-    base: &Settled,
-    wanted: impl Fn(&str, &str) -> bool,
-) -> Result<Vec<Judged<'s>>, CalibError> {
-    let problem = &case.attribution.base;
-    let candidates = &case.attribution.candidates;
-    let together = &case.attribution.pair_models;
-    let mut pairs = Vec::new();
-    for a in 0..candidates.len() {
-        for b in a + 1..candidates.len() {
-            if !wanted(&candidates[a].name, &candidates[b].name) {
-                continue;
-            }
-            let model = Model::pair(problem, &candidates[a], &candidates[b], together)?;
-            if case.data.len() > model.len() {
-                pairs.push(fit(case, &model, &[a, b], base)?);
-            }
-        }
-    }
-    sort(&mut pairs);
-    Ok(pairs)
 }
 
 #[cfg(test)]

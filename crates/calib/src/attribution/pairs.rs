@@ -1,0 +1,118 @@
+//! Two effects together.
+
+use super::evidence::{laplace, unknown};
+use super::gate::Case;
+use super::model::Model;
+use super::ranking::{Folds, Judged, fit, penalty, sort};
+use super::solver::{Settled, held};
+use crate::CalibError;
+
+/// How much better than the level a pair must fit.
+const PAIR_FACTOR: f64 = 10.0;
+
+/// Whether a class of pairs is a name: no more than `most`, or all of them with one member, which is then what is
+/// missing whatever the other is.
+pub(super) fn are_named(class: &[&[usize]], most: usize) -> bool {
+    let Some(first) = class.first() else { return false };
+    let shared = first.iter().any(|k| class.iter().all(|pair| pair.contains(k)));
+    class.len() <= most || shared
+}
+
+/// All pairs.
+///
+/// Two strengths can imitate much that is not in the catalogue, so that a pair is held to more
+/// than a single effect. It is eligible if it fits at ten times the level; if each of its effects
+/// is needed (deviance beyond the class's ratio of either alone, by the effect's own model and by the pair's, whose
+/// runs are others) and neither they nor a friction sit at an end of their range; if speeds left out agree better than
+/// with the best single effect; and if it is more probable than "unknown" at the priors given.
+pub(super) fn fit_pairs<'s>(
+    case: &Case<'_, 's>,
+    base: &Settled,
+    singles: &[Judged<'s>],
+    folds: &[Folds],
+) -> Result<Vec<Judged<'s>>, CalibError> {
+    let settings = &case.attribution.settings;
+    let candidates = &case.attribution.candidates;
+    let within = settings.class_deviance();
+    let alone = |k: usize| singles.iter().find(|j| j.of[0] == k).map(|j| j.deviance());
+    let best_gain = singles.iter().filter_map(|j| j.gain).fold(0.0, f64::max);
+    let count = (candidates.len() * candidates.len().saturating_sub(1) / 2).max(1) as f64;
+    let unknown = unknown(&case.base, &case.data, base)? + settings.prior_unknown.ln();
+    let prior = (settings.prior_pairs / count).ln();
+    let mut pairs = Vec::new();
+    for mut judged in pairs_fitted(case, base, |_, _| true)? {
+        let needed =
+            judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.deviance() > within));
+        let probable = laplace(&judged.fit) + prior > unknown;
+        let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
+        judged.explains =
+            fits && needed && judged.inside() && probable && lacks_neither(case, &judged, within)?;
+        if judged.explains {
+            judged.judge_held_out(case, base, folds)?;
+            judged.explains &= judged.gain.is_none_or(|g| g > best_gain);
+        }
+        judged.eligible = judged.explains;
+        pairs.push(judged);
+    }
+    Ok(pairs)
+}
+
+/// Whether the pair's own model does worse by more than `within` with either strength absent. What a surface learnt
+/// from runs of both may fit the data with one of them as good as off, where the surface of the other alone did not.
+fn lacks_neither(
+    case: &Case<'_, '_>,
+    judged: &Judged<'_>,
+    within: f64,
+) -> Result<bool, CalibError> {
+    let model = &judged.model;
+    let absent = model.unit(&model.absent(&judged.fit.theta[..model.frictions()]));
+    for axis in model.frictions()..model.len() {
+        let mut unit = judged.fit.point.unit.clone();
+        unit[axis] = absent[axis];
+        let without = held(model, &case.data, &unit, axis)?;
+        let penalty = penalty(case, &judged.of, &without.theta[model.frictions()..]);
+        if without.deviance + penalty - judged.deviance() <= within {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Best fit of every pair that is `wanted`, best deviance first, not judged yet.
+pub(super) fn pairs_fitted<'s>(
+    case: &Case<'_, 's>,
+    base: &Settled,
+    wanted: impl Fn(&str, &str) -> bool,
+) -> Result<Vec<Judged<'s>>, CalibError> {
+    let problem = &case.attribution.base;
+    let candidates = &case.attribution.candidates;
+    let together = &case.attribution.pair_models;
+    let mut pairs = Vec::new();
+    for a in 0..candidates.len() {
+        for b in a + 1..candidates.len() {
+            if !wanted(&candidates[a].name, &candidates[b].name) {
+                continue;
+            }
+            let model = Model::pair(problem, &candidates[a], &candidates[b], together)?;
+            if case.data.len() > model.len() {
+                pairs.push(fit(case, &model, &[a, b], base)?);
+            }
+        }
+    }
+    sort(&mut pairs);
+    Ok(pairs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::are_named;
+
+    #[test]
+    fn many_pairs_are_a_name_only_with_a_member_in_common() {
+        let [one, two]: [&[usize]; 2] = [&[1, 4], &[4, 7]];
+        assert!(!are_named(&[], 3));
+        assert!(are_named(&[one, &[2, 3]], 3));
+        assert!(!are_named(&[one, two, &[2, 3], &[2, 4]], 3));
+        assert!(are_named(&[one, two, &[4, 5], &[2, 4]], 3));
+    }
+}
