@@ -383,7 +383,7 @@ fn stability(o: &Outcome) -> Section {
     }
     if let Some(without) = &o.finding.verdict_without_code {
         section.blocks.push(Block::Paragraph(format!(
-            "If codes did not differ among themselves the data would say: {}.",
+            "Without what codes differ by among themselves the data say: {}.",
             worded(without)
         )));
     }
