@@ -351,7 +351,12 @@ fn compared(
     Ok(Fresh { side, points, samples, runs, asked, theta, codes_differ })
 }
 
-fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
+pub(crate) fn sentence(
+    finding: &Finding,
+    verdict: &str,
+    strengths: &[StrengthOf],
+    is_pair: bool,
+) -> String {
     let named: Vec<String> = strengths
         .iter()
         .map(|s| {

@@ -12,6 +12,7 @@ use crate::confirm::{self, CONFIRMED_MEMBERS, Fresh};
 use crate::curve::Change;
 use crate::emulator::Sample;
 use crate::error::CloseLoopError;
+use crate::heard::heard;
 use crate::outcome::Outcome;
 use crate::plan::{Effort, LoopSettings, Setup};
 use crate::runs::{ByEffect, Runs};
@@ -212,10 +213,12 @@ impl CloseLoop<'_> {
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
-                    return Ok(standing(outcome, stood));
+                    state.learn(learned.clone());
+                    let answer = standing(outcome, stood);
+                    return heard(&mut state, answer, &learned, &self.settings.attribution);
                 }
                 looked_on = true;
-                state.learn(learned);
+                state.learn(learned.clone());
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
                 if unknown {
@@ -223,7 +226,8 @@ impl CloseLoop<'_> {
                     state.refine_pairs(left, &self.settings.attribution, watch)?;
                 }
                 if state.runs.everyday == before {
-                    return Ok(standing(outcome, stood));
+                    let answer = standing(outcome, stood);
+                    return heard(&mut state, answer, &learned, &self.settings.attribution);
                 }
                 if stands {
                     stood = Some(outcome);

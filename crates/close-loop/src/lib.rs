@@ -20,6 +20,7 @@ mod curve;
 mod driver;
 mod emulator;
 mod error;
+mod heard;
 mod ignorance;
 mod models;
 mod outcome;
