@@ -213,12 +213,12 @@ impl CloseLoop<'_> {
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
-                    state.learn(learned.clone());
+                    state.learn(learned);
                     let answer = standing(outcome, stood);
-                    return heard(&mut state, answer, &learned, &self.settings.attribution);
+                    return heard(&mut state, answer, &self.settings.attribution);
                 }
                 looked_on = true;
-                state.learn(learned.clone());
+                state.learn(learned);
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
                 if unknown {
@@ -227,7 +227,7 @@ impl CloseLoop<'_> {
                 }
                 if state.runs.everyday == before {
                     let answer = standing(outcome, stood);
-                    return heard(&mut state, answer, &learned, &self.settings.attribution);
+                    return heard(&mut state, answer, &self.settings.attribution);
                 }
                 if stands {
                     stood = Some(outcome);

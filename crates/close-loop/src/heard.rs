@@ -3,20 +3,20 @@
 use calib::attribution::{Settings, Verdict};
 
 use crate::compare;
-use crate::confirm::{Learned, sentence};
+use crate::confirm::sentence;
 use crate::driver::State;
 use crate::error::CloseLoopError;
 use crate::outcome::Outcome;
 
 /// The answer with those members back that explain the data elsewhere: fresh runs contradict a place of an effect, not
-/// the effect. Each is heard once more, its runs `learnt`.
+/// the effect. Each is heard once more, its runs learnt by now.
 pub(crate) fn heard(
     state: &mut State<'_>,
     mut outcome: Outcome,
-    learnt: &[Learned],
     settings: &Settings,
 ) -> Result<Outcome, CloseLoopError> {
-    let gone = gone(&outcome.finding.verdict, &outcome.members, learnt);
+    let ran: Vec<&str> = outcome.models().filter_map(|side| side.effect.as_deref()).collect();
+    let gone = gone(&outcome.finding.verdict, &outcome.members, &ran);
     if gone.is_empty() || outcome.confirmed != Some(true) {
         return Ok(outcome);
     }
@@ -42,39 +42,24 @@ pub(crate) fn heard(
 }
 
 /// Members of a class that are not among those that are named, though their drums ran.
-fn gone(verdict: &Verdict, named: &[String], learnt: &[Learned]) -> Vec<String> {
+fn gone(verdict: &Verdict, named: &[String], ran: &[&str]) -> Vec<String> {
     let Verdict::Class(all) = verdict else { return Vec::new() };
-    let ran = |name: &String| {
-        learnt.iter().any(|(names, runs)| names[..] == [name.clone()] && !runs.is_empty())
-    };
-    all.iter().filter(|name| !named.contains(name) && ran(name)).cloned().collect()
+    let out = |name: &&String| !named.contains(name) && ran.contains(&name.as_str());
+    all.iter().filter(out).cloned().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emulator::Sample;
 
     #[test]
     fn only_members_whose_drums_ran_are_heard_again() {
-        let run = Sample {
-            at: vec![0.5, 1.2],
-            mean: vec![[30.0, 31.0, 10.0, 15.0]; 2],
-            covariance: vec![[[0.1; 4]; 4]; 2],
-            variance: vec![[1.0; 4]; 2],
-            excess: 0.0,
-        };
-        let [a, b, c] = ["size.scale", "vibration.amplitude_m", "drag.coefficient_s"]
-            .map(|n: &str| n.to_owned());
-        let class = Verdict::Class(vec![a.clone(), b.clone(), c.clone()]);
+        let all = ["size.scale", "vibration.amplitude_m", "drag.coefficient_s"].map(str::to_owned);
+        let class = Verdict::Class(all.to_vec());
         // The first is named, the second contradicted, the third could not be simulated.
-        let learnt = [
-            (vec![a.clone()], vec![run.clone()]),
-            (vec![b.clone()], vec![run]),
-            (vec![c], Vec::new()),
-        ];
-        assert_eq!(gone(&class, std::slice::from_ref(&a), &learnt), [b.clone()]);
-        assert!(gone(&class, &[a.clone(), b], &learnt).is_empty());
-        assert!(gone(&Verdict::Effect(a.clone()), &[], &learnt).is_empty());
+        let ran = ["size.scale", "vibration.amplitude_m"];
+        assert_eq!(gone(&class, &all[..1], &ran), all[1..2]);
+        assert!(gone(&class, &all[..2], &ran).is_empty());
+        assert!(gone(&Verdict::Effect(all[0].clone()), &[], &ran).is_empty());
     }
 }
