@@ -351,12 +351,7 @@ fn compared(
     Ok(Fresh { side, points, samples, runs, asked, theta, codes_differ })
 }
 
-pub(crate) fn sentence(
-    finding: &Finding,
-    verdict: &str,
-    strengths: &[StrengthOf],
-    is_pair: bool,
-) -> String {
+fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
     let named: Vec<String> = strengths
         .iter()
         .map(|s| {

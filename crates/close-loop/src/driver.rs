@@ -12,7 +12,6 @@ use crate::confirm::{self, CONFIRMED_MEMBERS, Fresh};
 use crate::curve::Change;
 use crate::emulator::Sample;
 use crate::error::CloseLoopError;
-use crate::heard::heard;
 use crate::outcome::Outcome;
 use crate::plan::{Effort, LoopSettings, Setup};
 use crate::runs::{ByEffect, Runs};
@@ -213,9 +212,7 @@ impl CloseLoop<'_> {
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
-                    state.learn(learned);
-                    let answer = standing(outcome, stood);
-                    return heard(&mut state, answer, &self.settings.attribution);
+                    return Ok(standing(outcome, stood));
                 }
                 looked_on = true;
                 state.learn(learned);
@@ -226,8 +223,7 @@ impl CloseLoop<'_> {
                     state.refine_pairs(left, &self.settings.attribution, watch)?;
                 }
                 if state.runs.everyday == before {
-                    let answer = standing(outcome, stood);
-                    return heard(&mut state, answer, &self.settings.attribution);
+                    return Ok(standing(outcome, stood));
                 }
                 if stands {
                     stood = Some(outcome);

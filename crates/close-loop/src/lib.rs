@@ -20,7 +20,6 @@ mod curve;
 mod driver;
 mod emulator;
 mod error;
-mod heard;
 mod ignorance;
 mod models;
 mod outcome;
