@@ -21,8 +21,8 @@ const GRAVITY: f64 = 9.80665;
 
 /// By how much the data may differ from any simulation of the model that is meant, beside noise.
 ///
-/// No two codes turn the same drum alike: they differ in the shear spring, in what damping may pull, in the
-/// step. Nor is any of them the drum itself.
+/// No two codes turn the same drum alike: they differ in the shear spring, and in where they take the slip and the torque
+/// of beads that are pressed together. Nor is any of them the drum itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Codes {
     /// As much as LIGGGHTS and LAMMPS were found to differ from Tumble in drums that lack nothing.
