@@ -1,6 +1,7 @@
 //! By how much codes differ that simulate the same drum.
 
 use calib::attribution::CodeCovariance;
+use campaign::drum_rig::GRAVITY;
 
 use crate::error::CloseLoopError;
 
@@ -15,9 +16,6 @@ const MODES: [[[f64; 4]; 2]; 2] = [
     [[-0.13, -0.47, -0.12, 0.09], [-0.44, -0.32, -0.21, 0.30]],
     [[-0.19, -0.31, -0.16, 0.12], [-0.86, -0.94, -0.41, 0.67]],
 ];
-
-/// Standard gravity, m/s2.
-const GRAVITY: f64 = 9.80665;
 
 /// By how much the data may differ from any simulation of the model that is meant, beside noise.
 ///

@@ -12,7 +12,8 @@ use close_loop::rig_schema::{Response, Rig, TangentialLaw};
 
 use super::drums::truth;
 use super::elsewhere::{self, Other};
-use super::make::{Care, INTERVAL_S, RESOLUTION, nature, nature_lab};
+use super::make::{Care, RESOLUTION, nature, nature_lab};
+
 /// Frictions between particles of the matched drums.
 const FRICTIONS: [f64; 3] = [0.3, 0.45, 0.6];
 
@@ -43,34 +44,23 @@ fn difference(a: &[Run], b: &[Run]) -> Vec<[(f64, f64); 4]> {
     (0..speeds).map(|k| std::array::from_fn(|r| one(k, r))).collect()
 }
 
-/// One code in all matched drums, beside Tumble in the same.
+/// One other code in all matched drums.
 struct Matched {
-    name: &'static str,
+    code: Other,
     theirs: Vec<Run>,
-    own: Vec<Run>,
-    whole: Vec<Run>,
 }
 
 pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<()> {
     anyhow::ensure!(fillings >= 1, "--fillings is 1 or more");
-    let mut others = Vec::new();
+    let mut matched = Vec::new();
     for code in [Code::Liggghts, Code::Lammps] {
         match Other::locate(code) {
-            Ok(other) => others.push(other),
+            Ok(code) => matched.push(Matched { code, theirs: Vec::new() }),
             Err(why) => println!("{}: left out, {why}", code.name()),
         }
     }
     let lab = nature_lab(folder, jobs, RESOLUTION)?;
     let (mut own, mut fine, mut whole) = (Vec::new(), Vec::new(), Vec::new());
-    let mut matched: Vec<Matched> = others
-        .iter()
-        .map(|o| Matched {
-            name: o.code.name(),
-            theirs: Vec::new(),
-            own: Vec::new(),
-            whole: Vec::new(),
-        })
-        .collect();
     let mut speeds = Vec::new();
     for (k, friction) in FRICTIONS.into_iter().enumerate() {
         for filling in 0..fillings {
@@ -83,14 +73,12 @@ pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<(
             let runs = lab.run(&rigs, |_| ()).into_iter().collect::<Result<Vec<_>, _>>()?;
             let [first, half, total]: [Run; 3] =
                 runs.try_into().map_err(|_| anyhow::anyhow!("three runs were asked for"))?;
-            for (other, m) in others.iter().zip(&mut matched) {
-                let name = other.code.name().to_lowercase();
+            for Matched { code, theirs } in &mut matched {
+                let name = code.code.name().to_lowercase();
                 let deck = folder.join("codes").join(name).join(format!("{friction}-{filling}"));
-                let theirs = elsewhere::run(other, &rigs[0], &deck, INTERVAL_S, RESOLUTION)
+                let run = elsewhere::run(code, &rigs[0], &deck)
                     .with_context(|| format!("friction {friction}, filling {filling}"))?;
-                m.theirs.push(theirs);
-                m.own.push(first.clone());
-                m.whole.push(total.clone());
+                theirs.push(run);
             }
             println!("friction {friction}, filling {filling}");
             own.push(first);
@@ -98,27 +86,27 @@ pub(crate) fn run(folder: &Path, fillings: u64, jobs: usize) -> anyhow::Result<(
             whole.push(total);
         }
     }
-    let title = |m: &Matched, rest: &str| format!("{} less Tumble{rest}", m.name);
+    let title = |m: &Matched, rest: &str| format!("{} less Tumble{rest}", m.code.code.name());
     for m in &matched {
-        println!("{}", table(&title(m, ""), &speeds, &difference(&m.theirs, &m.own)));
+        println!("{}", table(&title(m, ""), &speeds, &difference(&m.theirs, &own)));
         let rest = title(m, " with the spring as a whole");
-        println!("{}", table(&rest, &speeds, &difference(&m.theirs, &m.whole)));
+        println!("{}", table(&rest, &speeds, &difference(&m.theirs, &whole)));
     }
     println!("{}", table("Half the step less the step", &speeds, &difference(&fine, &own)));
     let law = "The spring as a whole less what is added step by step";
     println!("{}", table(law, &speeds, &difference(&whole, &own)));
-    crate::write_whole(&folder.join("codes.csv"), &differences(&speeds, &matched, fillings))
+    crate::write_whole(&folder.join("codes.csv"), &differences(&speeds, &matched, &own, fillings))
 }
 
 /// Differences by code, friction and speed, means over fillings: what `data.code_differences` of a case asks for.
-fn differences(speeds: &[f64], matched: &[Matched], fillings: u64) -> String {
+fn differences(speeds: &[f64], matched: &[Matched], own: &[Run], fillings: u64) -> String {
     let mut text = String::from("pair,omega_rpm");
     for r in Response::ALL {
         let _ = write!(text, ",{}", r.column());
     }
     text.push('\n');
     let n = fillings as usize;
-    let pairs = matched.iter().flat_map(|m| m.theirs.chunks(n).zip(m.own.chunks(n)));
+    let pairs = matched.iter().flat_map(|m| m.theirs.chunks(n).zip(own.chunks(n)));
     for (pair, (other, own)) in pairs.enumerate() {
         for (k, speed) in speeds.iter().enumerate() {
             let _ = write!(text, "{},{speed}", pair + 1);

@@ -5,9 +5,10 @@ use std::process::{Command, Stdio};
 
 use anyhow::Context;
 use close_loop::campaign::export::{Code, Schedule, deck, dump_name, positions};
-use close_loop::campaign::{Footage, Resolution, Run};
+use close_loop::campaign::{Footage, Run};
 use close_loop::rig_schema::Rig;
 
+use super::make::{INTERVAL_S, RESOLUTION};
 use crate::peers::code::locate;
 
 /// A code that is installed.
@@ -30,20 +31,20 @@ impl Other {
     }
 }
 
+/// The same for all fillings of a drum, each in a folder of its own within `folder`.
+pub(crate) fn run_all(other: &Other, rigs: &[Rig], folder: &Path) -> anyhow::Result<Vec<Run>> {
+    let numbered = rigs.iter().enumerate();
+    numbered.map(|(k, rig)| run(other, rig, &folder.join(k.to_string()))).collect()
+}
+
 /// Let another code run a rig in `folder` and look at it as at every drum. What is there already is not
 /// run again.
-pub(crate) fn run(
-    other: &Other,
-    rig: &Rig,
-    folder: &Path,
-    interval_s: f64,
-    resolution: Resolution,
-) -> anyhow::Result<Run> {
+pub(crate) fn run(other: &Other, rig: &Rig, folder: &Path) -> anyhow::Result<Run> {
     let done = folder.join("done");
     if !done.exists() {
         std::fs::create_dir_all(folder)?;
         let how =
-            Schedule { approach_turns: 1.0, interval_s: Some(interval_s), ..Schedule::default() };
+            Schedule { approach_turns: 1.0, interval_s: Some(INTERVAL_S), ..Schedule::default() };
         for file in deck(rig, other.code, &how)? {
             std::fs::write(folder.join(&file.name), &file.text)?;
         }
@@ -72,5 +73,5 @@ pub(crate) fn run(
         let name = path.display().to_string();
         footages.push(Footage::of_positions(rpm, &name, &positions(&name, &text)?)?);
     }
-    Ok(Run::of_footage(rig, resolution, &footages)?)
+    Ok(Run::of_footage(rig, RESOLUTION, &footages)?)
 }

@@ -240,11 +240,8 @@ pub(crate) fn run(
             println!("{}: left out, LIGGGHTS is not installed", truth.case);
             continue;
         };
-        let fillings = rigs[k].iter().enumerate().map(|(filling, rig)| {
-            let deck = folder.join("decks").join(&truth.case).join(filling.to_string());
-            elsewhere::run(other, rig, &deck, INTERVAL_S, RESOLUTION)
-        });
-        keep(folder, &key, truth, fillings.collect(), care)?;
+        let decks = folder.join("decks").join(&truth.case);
+        keep(folder, &key, truth, elsewhere::run_all(other, &rigs[k], &decks), care)?;
         println!("{} by another code", truth.case);
     }
     println!("{count} cases in {}", folder.display());

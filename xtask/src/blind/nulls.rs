@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::drums::truth;
 use super::elsewhere::{self, Other};
-use super::make::{Care, INTERVAL_S, RESOLUTION, averaged, case_text, nature, nature_lab, table};
+use super::make::{Care, averaged, case_text, nature, nature_lab, table};
 use super::score::fit_sampling;
 
 /// What a drum that lacks nothing was called.
@@ -54,13 +54,7 @@ pub(crate) fn run(
         let rigs = nature(&truth, 900_000 + k as u64, care)?;
         let fillings: Option<Vec<_>> = match &other {
             None => drums.run(&rigs, |_| ()).into_iter().collect::<Result<_, _>>().ok(),
-            Some(other) => {
-                let deck = |filling| own.join(format!("{k:03}-{filling}"));
-                let runs = rigs.iter().enumerate();
-                runs.map(|(f, rig)| elsewhere::run(other, rig, &deck(f), INTERVAL_S, RESOLUTION))
-                    .collect::<Result<_, _>>()
-                    .ok()
-            }
+            Some(other) => elsewhere::run_all(other, &rigs, &own.join(format!("{k:03}"))).ok(),
         };
         let Some(run) = fillings.and_then(|f| averaged(&f)) else {
             println!("{k}: the drum failed");
