@@ -99,6 +99,9 @@ pub(crate) fn outcome(
         for name in names.iter().take(CONFIRMED_MEMBERS) {
             let Some(r) = finding.ranked.iter().find(|r| r.name == *name) else { continue };
             let Some((strength, theta)) = r.fit.theta.split_last() else { continue };
+            if !tried.is_empty() && !state.has_time(1) {
+                break;
+            }
             let with = effects_at(state, std::slice::from_ref(name), &[*strength]);
             let Some(model) = fresh(state, &base, theta, &with, round, watch)? else {
                 state.shorten(name, *strength, true);
@@ -397,6 +400,12 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<Stri
             "Fresh runs refuted {refuted} answer{} before this one; the models learnt from them.",
             if refuted == 1 { "" } else { "s" }
         ));
+    }
+    if state.cut_short {
+        all.push(
+            "The time that runs may take was spent before all runs were made that are planned: with more of it more might be told."
+                .to_owned(),
+        );
     }
     if this.case.data.n_eff.is_none() && this.measured.rows.iter().any(|r| r.n_eff.is_none()) {
         all.push(

@@ -98,6 +98,10 @@ pub(crate) struct State<'a> {
     pub(crate) effort: Effort,
     /// Runs that may be made.
     pub(crate) most: usize,
+    /// Time that runs may take, s.
+    time_s: Option<f64>,
+    /// Whether something was left out for want of time.
+    pub(crate) cut_short: bool,
     /// Answers that fresh runs refuted.
     pub(crate) refuted: usize,
     pub(crate) runs: Runs<'a>,
@@ -119,14 +123,21 @@ pub(crate) struct State<'a> {
 }
 
 impl<'a> State<'a> {
-    /// Nothing known yet.
-    pub(crate) fn new(setup: Setup, effort: Effort, most: usize, runs: Runs<'a>) -> Self {
+    /// Nothing known yet; at most so many runs may be made, in such a time.
+    pub(crate) fn new(
+        setup: Setup,
+        effort: Effort,
+        (most, time_s): (usize, Option<f64>),
+        runs: Runs<'a>,
+    ) -> Self {
         let codes_differ = setup.codes.is_some() && !setup.codes_may_agree;
         Self {
             codes_differ,
             setup,
             effort,
             most,
+            time_s,
+            cut_short: false,
             refuted: 0,
             runs,
             base: Vec::new(),
@@ -139,6 +150,28 @@ impl<'a> State<'a> {
             modes: Vec::new(),
             before: None,
         }
+    }
+
+    /// Time left, s, if so many models are to be confirmed after it; none without a limit.
+    fn time_left(&self, models: usize) -> Option<f64> {
+        let costly = self.setup.cast.fresh.is_some();
+        let fresh = self.runs.clock.time_of(costly, models * self.fillings());
+        Some(self.time_s? - self.runs.clock.spent_s - fresh)
+    }
+
+    /// Whether there is time for more, if so many models are to be confirmed after it; it is noted if there is not.
+    pub(crate) fn has_time(&mut self, models: usize) -> bool {
+        let has = self.time_left(models).is_none_or(|left| left > 0.0);
+        self.cut_short |= !has;
+        has
+    }
+
+    /// Runs that can be spent on refining if so many models are to be confirmed after it.
+    fn spare(&mut self, models: usize) -> usize {
+        let by_number = self.most.saturating_sub(self.runs.everyday + models * self.effort.confirm);
+        let by_time = self.time_left(models).map_or(usize::MAX, |s| self.runs.clock.runs_in(s));
+        self.cut_short |= by_time < by_number;
+        by_number.min(by_time)
     }
 }
 
@@ -200,15 +233,15 @@ impl CloseLoop<'_> {
             let barely = stands && outcome.after.errors.p_all < BARELY;
             let open = several && outcome.members.len() > 1 || alarm || barely;
             let open = open && !costly;
-            let spare = self.spare(&state, 1 + if refuted { 2 } else { CONFIRMED_MEMBERS });
+            let spare = state.spare(1 + if refuted { 2 } else { CONFIRMED_MEMBERS });
             let learns = learned.iter().any(|l| state.can_learn(l));
-            let tired = round == retries || spare == 0;
+            let tired = round == retries || spare == 0 || costly && !state.has_time(1);
             if !(refuted || open) || tired || !learns {
                 // What was kept for answers that are refuted looks on where nobody has looked, once.
                 // Of what nothing explains there is no class to be confirmed, at most a pair.
                 let unknown = matches!(outcome.finding.verdict, Verdict::Unknown);
                 let models = 1 + if unknown { 1 } else { CONFIRMED_MEMBERS };
-                let left = self.spare(&state, models);
+                let left = state.spare(models);
                 let gate = &outcome.finding.gate;
                 let settled = gate.passes && gate.p_combined > OPEN;
                 if looked_on || left == 0 || settled || costly {
@@ -219,7 +252,7 @@ impl CloseLoop<'_> {
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
                 if unknown {
-                    let left = self.spare(&state, models);
+                    let left = state.spare(models);
                     state.refine_pairs(left, &self.settings.attribution, watch)?;
                 }
                 if state.runs.everyday == before {
@@ -254,19 +287,15 @@ impl CloseLoop<'_> {
     ) -> Result<Finding, CloseLoopError> {
         // What is left after this is for answers that fresh runs refute: those are what models learn most from.
         let part = |spare: usize| spare.div_ceil(2);
-        state.refine(part(self.spare(state, singles)), settings, watch)?;
+        let spare = part(state.spare(singles));
+        state.refine(spare, settings, watch)?;
         let finding = state.attribute(&self.settings.attribution)?;
-        let spare = part(self.spare(state, pairs));
+        let spare = part(state.spare(pairs));
         if spare == 0 || !matches!(finding.verdict, Verdict::Pairs(_) | Verdict::Unknown) {
             return Ok(finding);
         }
         state.refine_pairs(spare, settings, watch)?;
         state.attribute(&self.settings.attribution)
-    }
-
-    /// Runs that can be spent on refining if so many models are to be confirmed after it.
-    fn spare(&self, state: &State<'_>, models: usize) -> usize {
-        state.most.saturating_sub(state.runs.everyday + models * state.effort.confirm)
     }
 
     /// Everything but the fresh runs.
@@ -276,7 +305,7 @@ impl CloseLoop<'_> {
         let effort = setup.effort(self.settings.runs, effects)?;
         let most = self.settings.runs.unwrap_or_else(|| effort.total(effects));
         let runs = Runs::new(self.lab, setup.cast, self.settings.seed);
-        let mut state = State::new(setup, effort, most, runs);
+        let mut state = State::new(setup, effort, (most, self.settings.time_s), runs);
         state.calibrate(watch)?;
         state.probe(watch)?;
         let quick = Settings {

@@ -12,6 +12,7 @@ pub use {calib, campaign, rig_schema};
 mod anchors;
 mod calibrate;
 mod catalogue;
+mod clock;
 mod coded;
 mod codes;
 mod compare;

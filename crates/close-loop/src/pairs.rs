@@ -305,7 +305,7 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
         let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
         let setup = Setup::new(&case, &measured, &LoopSettings::default()).unwrap();
         let runs = Runs::new(lab, setup.cast, 1);
-        State::new(setup, Effort::nothing(), 0, runs)
+        State::new(setup, Effort::nothing(), (0, None), runs)
     }
 
     #[test]

@@ -22,6 +22,9 @@ const DEFAULT_N_EFF: f64 = 15.0;
 pub struct LoopSettings {
     /// Most runs that may be simulated; chosen by the number of effects where not given.
     pub runs: Option<usize>,
+    /// Time that runs may take, s, kept ones counted as what they took: when it is spent nothing more is looked for, and what
+    /// stands is confirmed. What no answer can do without is simulated in any case. `None` for no limit.
+    pub time_s: Option<f64>,
     /// Most speeds that are simulated; others are interpolated.
     pub most_speeds: usize,
     /// Speeds to predict, rpm: the fresh runs go through them as well.
@@ -45,6 +48,7 @@ impl Default for LoopSettings {
         };
         Self {
             runs: None,
+            time_s: None,
             most_speeds: 6,
             predict: Vec::new(),
             fidelity: Fidelity::Case,

@@ -60,7 +60,7 @@ impl State<'_> {
     ) -> Result<(), CloseLoopError> {
         let free = self.setup.free.len();
         let mut left = most;
-        while left > 0 {
+        while left > 0 && self.has_time(2) {
             let asked = ask(self, BATCH.min(left))?;
             if asked.is_empty() {
                 break;

@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rig_schema::Rig;
 
 use crate::catalogue::{Effect, set};
+use crate::clock::Clock;
 use crate::driver::{Stage, Told};
 use crate::emulator::{Axis, Sample, distance_squared};
 use crate::error::CloseLoopError;
@@ -31,6 +32,8 @@ pub(crate) struct Runs<'a> {
     /// Those of them that are not of a whole rig in place of its stand-in.
     pub(crate) everyday: usize,
     pub(crate) cost_s: f64,
+    /// What runs have taken, and what they take.
+    pub(crate) clock: Clock,
     pub(crate) steps: u64,
     /// Rigs that failed: what they were, and why.
     pub(crate) failed: Vec<(String, String)>,
@@ -38,7 +41,9 @@ pub(crate) struct Runs<'a> {
 
 impl<'a> Runs<'a> {
     pub(crate) fn new(lab: &'a Laboratory, cast: Cast, seed: u64) -> Self {
-        Self { lab, cast, seed, made: 0, everyday: 0, cost_s: 0.0, steps: 0, failed: Vec::new() }
+        let clock = Clock::new(lab.jobs());
+        let failed = Vec::new();
+        Self { lab, cast, seed, made: 0, everyday: 0, cost_s: 0.0, clock, steps: 0, failed }
     }
 
     /// Seed of a filling: the same for the same stage and number.
@@ -89,6 +94,10 @@ impl<'a> Runs<'a> {
         });
         self.made += counts * of;
         self.everyday += if whole { 0 } else { counts * of };
+        if stage != Stage::Filming {
+            let costs = results.iter().flatten().map(|run| run.cost_s);
+            self.clock.tell(whole, &costs.collect::<Vec<_>>());
+        }
         let mut runs = Vec::new();
         let mut results = results.into_iter();
         for (rig, (label, _)) in described.into_iter().zip(rigs) {

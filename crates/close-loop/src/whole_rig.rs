@@ -57,6 +57,9 @@ impl CloseLoop<'_> {
         let rivals: Vec<_> = simulated.take(RIVALS).collect();
         let mut heard = Vec::new();
         for rival in rivals {
+            if !state.has_time(2) {
+                break;
+            }
             let Some((strength, theta)) = rival.fit.theta.split_last() else { continue };
             let name = std::slice::from_ref(&rival.name);
             let with = confirm::effects_at(state, name, &[*strength]);

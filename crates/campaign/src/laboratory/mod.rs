@@ -88,6 +88,11 @@ impl Laboratory {
         self.sampling
     }
 
+    /// Number of workers.
+    pub fn jobs(&self) -> usize {
+        self.jobs
+    }
+
     /// Ask the workers to stop as soon as they can; what is under way is given up.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);

@@ -104,6 +104,12 @@ fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
     assert_eq!(alike.finding.verdict_without_code, None);
     assert!(alike.assumed.iter().all(|a| !a.contains("LIGGGHTS")), "{:?}", alike.assumed);
     assert!(alike.before.errors.chi2 >= first.before.errors.chi2);
+    // Where there is no time nothing is looked for, and what there is says so.
+    assert!(first.assumed.iter().all(|a| !a.contains("time")), "{:?}", first.assumed);
+    let hurried = LoopSettings { time_s: Some(0.0), ..LoopSettings::default() };
+    let hurried = close_with(one.path(), IMPOSSIBLE, 2, hurried).unwrap();
+    assert!(hurried.runs < first.runs, "{} {}", hurried.runs, first.runs);
+    assert!(hurried.assumed.iter().any(|a| a.contains("time")), "{:?}", hurried.assumed);
     // A speed between the two is predicted between their values.
     let own = &first.before.predictions;
     assert_eq!(own.len(), 4);

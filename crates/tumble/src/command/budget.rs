@@ -10,6 +10,9 @@ use rig_schema::{Case, MeasuredTable, Rig};
 /// Share of a budget that runs may take; the rest is statistics.
 const SIMULATING: f64 = 0.8;
 
+/// Share of a budget after which nothing more is looked for, whatever was planned: some runs take longer than pilots tell.
+const AT_MOST: f64 = 0.9;
+
 /// Fewest speeds that a budget may leave: two to fit, one to predict.
 const LEAST_SPEEDS: usize = 3;
 
@@ -149,6 +152,9 @@ pub(super) fn fit(
             }
             match planned {
                 Ok(runs) => {
+                    // Pilots were run one way after another.
+                    let pilots: f64 = costs.iter().flatten().sum();
+                    settings.time_s = Some((AT_MOST * budget.as_secs_f64() - pilots).max(0.0));
                     eprintln!("{}", told(way.fidelity, speeds, simulated));
                     return Ok((runs as f64 * each + whole) / jobs as f64);
                 }
