@@ -4,5 +4,6 @@ mod cameras;
 mod export;
 mod faults;
 mod killed;
+mod sizes;
 mod small;
 mod vtk;

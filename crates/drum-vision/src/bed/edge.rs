@@ -254,8 +254,11 @@ struct Crossing {
 /// Spacing of the samples on a line, pixels.
 const SPACING: f64 = 0.5;
 
+/// Half the length of a line: a part of the radius, as all else here, so that pictures of any size read alike. (With at least 8 pixels,
+/// and lines at least a pixel apart, pictures 400 pixels wide showed the middle line of coarse beds 0.2 deg flatter than
+/// those of 968.)
 fn half_length(radius: f64) -> f64 {
-    (0.06 * radius).max(8.0)
+    (0.06 * radius).max(4.0)
 }
 
 fn lines_across(
@@ -264,9 +267,9 @@ fn lines_across(
     centre: &crate::spline::Spline,
 ) -> Vec<Line> {
     let radius = prepared.circle.radius_px;
-    let step = (radius / 300.0).max(1.0);
+    let step = radius / 300.0;
     let n = (half_length(radius) / SPACING).round() as isize;
-    let rim = radius - (0.012 * radius).max(3.0);
+    let rim = radius - (0.012 * radius).max(1.0);
     let count = (2.0 * radius / step).floor() as usize;
     let mut lines = Vec::new();
     // Beyond the coarse curve's ends the tangent may be followed a little.
@@ -330,7 +333,7 @@ fn crossings(
     lines: &[Line],
 ) -> Vec<Crossing> {
     let radius = prepared.circle.radius_px;
-    let step = (radius / 300.0).max(1.0);
+    let step = radius / 300.0;
     let reach = ((0.008 * radius / step).round() as usize).max(1);
     let wide = ((0.1 * radius / step).round() as usize).max(4);
     let n = lines.first().map_or(0, |l| l.grey.len());
