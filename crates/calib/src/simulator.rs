@@ -66,4 +66,14 @@ pub trait Simulator {
     fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
         self.predict(theta, speeds_rpm).map(|p| p.mean)
     }
+
+    /// Deviance (-2 log likelihood) at `theta` of what was measured besides the observations, such as how far
+    /// single frames scatter: it ranks effects, but is no part of any fit or test. `None` where there is nothing.
+    ///
+    /// # Errors
+    /// As [`Simulator::predict`].
+    fn aside(&self, theta: &[f64]) -> Result<Option<f64>, CalibError> {
+        let _ = theta;
+        Ok(None)
+    }
 }

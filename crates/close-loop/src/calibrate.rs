@@ -7,6 +7,7 @@ use crate::emulator::Emulator;
 use crate::error::CloseLoopError;
 use crate::plan::Setup;
 use crate::runs::{fill_box, rig_at, sample};
+use crate::unrest::Unrest;
 
 /// Independent frames that the variance of simulated frames counts for beside that of measured ones.
 const AS_FRAMES: f64 = 20.0;
@@ -123,8 +124,13 @@ impl State<'_> {
         let knots = self.setup.knots.clone();
         let axes = self.setup.axes.clone();
         let point = (!self.theta.is_empty()).then_some(&self.theta[..]);
-        let model = Emulator::about(axes, self.middle(), knots, &self.base, point)?;
-        Ok(self.dress(model))
+        let place = (axes.clone(), self.middle(), knots.clone());
+        let model = self.dress(Emulator::about(axes, self.middle(), knots, &self.base, point)?);
+        if !self.setup.scatter_tells {
+            return Ok(model);
+        }
+        let told = (&self.setup.observations, self.setup.fillings);
+        Ok(model.with_unrest(Unrest::about(place, &self.base, point, told)?))
     }
 
     pub(crate) fn dress(&self, model: Emulator) -> Emulator {

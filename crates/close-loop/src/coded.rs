@@ -108,6 +108,10 @@ impl Simulator for Coded {
         self.inner.simulator().predict(&self.decoded(theta), speeds_rpm)
     }
 
+    fn aside(&self, theta: &[f64]) -> Result<Option<f64>, CalibError> {
+        self.inner.simulator().aside(&self.decoded(theta))
+    }
+
     fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
         self.inner.simulator().expected(&self.decoded(theta), speeds_rpm)
     }

@@ -88,6 +88,11 @@ impl Simulator for Curve {
         Ok(self.base.spread(speeds_rpm, &local))
     }
 
+    fn aside(&self, theta: &[f64]) -> Result<Option<f64>, CalibError> {
+        // The motion is the base's.
+        self.base.aside(self.split(theta)?.1)
+    }
+
     fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
         let (strength, base) = self.split(theta)?;
         let mut at = self.base.at_knots(base);

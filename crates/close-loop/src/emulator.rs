@@ -10,6 +10,7 @@ use crate::ignorance::{BESIDE, alongside};
 use crate::process::{Local, Process, witnesses};
 use crate::scale::Scale;
 use crate::speeds::weights;
+use crate::unrest::Unrest;
 
 /// How near a point runs tell how runs scatter there, units: a standard deviation.
 const NEAR: f64 = 0.5;
@@ -68,6 +69,8 @@ pub struct Emulator {
     volume_sd: f64,
     /// Fillings that the measured means are averages over.
     fillings: f64,
+    /// How far single frames scatter.
+    unrest: Option<Box<Unrest>>,
 }
 
 impl Emulator {
@@ -125,6 +128,7 @@ impl Emulator {
             anchors,
             volume_sd: 0.0,
             fillings: 1.0,
+            unrest: None,
         })
     }
 
@@ -137,7 +141,10 @@ impl Emulator {
     ) -> Result<Self, CalibError> {
         let (coded, mean, excess) = runs(&axes, &origin, samples)?;
         let process = self.process.of_others((coded, excess), &mean)?;
+        let others = |u: &Unrest| u.of_others(axes.clone(), origin.clone(), samples);
+        let unrest = self.unrest.as_deref().map(others).transpose()?.map(Box::new);
         Ok(Self {
+            unrest,
             axes,
             origin,
             knots: self.knots.clone(),
@@ -243,6 +250,13 @@ impl Emulator {
     #[must_use]
     pub fn with_fillings(mut self, fillings: u32) -> Self {
         self.fillings = f64::from(fillings.max(1));
+        self
+    }
+
+    /// With a model of how far single frames scatter.
+    #[must_use]
+    pub(crate) fn with_unrest(mut self, unrest: Unrest) -> Self {
+        self.unrest = Some(Box::new(unrest));
         self
     }
 
@@ -453,6 +467,10 @@ impl Simulator for Emulator {
     fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
         self.check(theta)?;
         Ok(self.spread(speeds_rpm, &self.moments(theta)))
+    }
+
+    fn aside(&self, theta: &[f64]) -> Result<Option<f64>, CalibError> {
+        self.unrest.as_ref().map(|u| u.deviance(theta)).transpose()
     }
 
     fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {

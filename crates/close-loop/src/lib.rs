@@ -36,6 +36,7 @@ mod scale;
 mod speeds;
 mod stand_in;
 mod table;
+mod unrest;
 mod volume;
 mod whole_rig;
 

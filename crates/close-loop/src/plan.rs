@@ -187,6 +187,9 @@ pub(crate) struct Setup {
     pub(crate) volume_sd: f64,
     /// Fillings of the drum that were measured.
     pub(crate) fillings: u32,
+    /// Whether the scatter of frames says something: where it is known of all means, and what is simulated is no
+    /// stand-in of few large particles, which scatter more.
+    pub(crate) scatter_tells: bool,
     /// By how much codes differ.
     pub(crate) codes: Option<CodeCovariance>,
     /// Whether they do is for the data to say.
@@ -254,8 +257,12 @@ impl Setup {
             catalogue = catalogue.only(&case.catalogue.only);
         }
         let volume_sd = drum_rig::solid_volume(&rig).map_err(CampaignError::from)?.relative_sd;
+        let cells = || measured.rows.iter().flat_map(|r| r.cells.iter().flatten());
+        let scatter_tells =
+            cast.everyday.coarse.is_none() && cells().all(|c| c.sd.is_some_and(|sd| sd > 0.0));
         Ok(Self {
             rig,
+            scatter_tells,
             volume_sd,
             fillings: case.data.fillings.unwrap_or(1).max(1),
             cast,

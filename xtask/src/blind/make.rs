@@ -16,6 +16,8 @@ use super::sealed::{Truth, seal};
 const SPEEDS: [f64; 6] = [15.0, 25.0, 35.0, 45.0, 55.0, 70.0];
 /// The one that is kept aside.
 const HELD_OUT: f64 = 35.0;
+/// Speeds of a coarse drum, with the one that is kept aside.
+const FEW_SPEEDS: [f64; 5] = [15.0, 25.0, 35.0, 50.0, 70.0];
 /// Photographs of a speed, as an experimenter with a camera on a tripod takes them.
 const PHOTOGRAPHS: u32 = 120;
 /// Frames of a simulation.
@@ -30,19 +32,38 @@ pub(crate) struct Care {
     /// Beads are weighed, not counted.
     #[arg(long)]
     pub(crate) weighed: bool,
+    /// A coarse drum: beads of 8 mm instead of 6, five speeds instead of six, half the frames; a tenth of the work.
+    #[arg(long)]
+    pub(crate) coarse: bool,
 }
 
-/// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number, `dt`
-/// the time step, s (0.2 ms is an eighth of the Rayleigh time; 0.4 ms moves cohesive beds).
-fn rig_text(law: &str, frames: u32, dt: f64, care: Care) -> String {
-    let speeds = SPEEDS;
-    // What 560 beads of that spread weigh, to three figures.
-    let fill = if care.weighed { "fill.mass_kg = 0.165" } else { "fill.count = 560" };
+impl Care {
+    fn speeds(self) -> &'static [f64] {
+        if self.coarse { &FEW_SPEEDS } else { &SPEEDS }
+    }
+
+    /// As many of them as are made of so many in the usual drum.
+    fn frames(self, usual: u32) -> u32 {
+        if self.coarse { usual / 2 } else { usual }
+    }
+}
+
+/// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number. (The time step is an eighth
+/// of the Rayleigh time; twice that moves cohesive beds.)
+fn rig_text(law: &str, frames: u32, care: Care) -> String {
+    let (speeds, frames) = (care.speeds(), care.frames(frames));
+    let (diameter, count, dt) = if care.coarse { (0.008, 236, 2.7e-4) } else { (0.006, 560, 2e-4) };
+    // What so many beads of that spread weigh, to three figures.
+    let fill = if care.weighed {
+        "fill.mass_kg = 0.165".to_owned()
+    } else {
+        format!("fill.count = {count}")
+    };
     format!(
         r#"name = "blind"
 {law}
 drum = {{ radius_m = 0.05, length_m = 0.034, mantle = "glass", end_plates = "glass", ends = "periodic" }}
-particles = {{ material = "glass", shape = {{ sphere = {{ diameter_m = 0.006 }} }} }}
+particles = {{ material = "glass", shape = {{ sphere = {{ diameter_m = {diameter} }} }} }}
 size = {{ spread = 0.12 }}
 {fill}
 friction = {{ pp = 0.4, mantle = 0.9 }}
@@ -58,7 +79,7 @@ glass = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e
 
 /// The case file: the rig, and what is asked.
 pub(crate) fn case_text(without: &[String], care: Care) -> String {
-    let mut text = rig_text("", FRAMES, 2e-4, care);
+    let mut text = rig_text("", FRAMES, care);
     let fillings = care.fillings;
     let _ = write!(
         text,
@@ -81,7 +102,7 @@ pub(crate) fn nature(truth: &Truth, seed: u64, care: Care) -> anyhow::Result<Vec
         .find(|l| !l.is_empty())
         .unwrap_or("");
     let photographs = PHOTOGRAPHS.div_ceil(care.fillings);
-    let mut rig = Rig::parse("blind.toml", &rig_text(law, photographs, 2e-4, care))?;
+    let mut rig = Rig::parse("blind.toml", &rig_text(law, photographs, care))?;
     let mut set = |path: &str, value: f64| {
         rig.settings.set(path, value).map_err(|_| anyhow::anyhow!("{path} = {value} is refused"))
     };
@@ -280,7 +301,7 @@ mod tests {
     #[test]
     fn an_experimenter_who_takes_care_refills_and_weighs() {
         let truth = drums::truth("null", "", 0.3, &[]);
-        let care = Care { fillings: 3, weighed: true };
+        let care = Care { fillings: 3, weighed: true, coarse: false };
         let rigs = nature(&truth, 5, care).unwrap();
         let seeds: Vec<u64> = rigs.iter().map(|r| r.run.seed).collect();
         assert_eq!(seeds, [5, 1_000_008, 2_000_011]);
@@ -288,5 +309,16 @@ mod tests {
         assert!(case_text(&[], care).contains("fill.mass_kg = 0.165"));
         let case = close_loop::rig_schema::Case::parse("c.toml", &case_text(&[], care)).unwrap();
         assert_eq!(case.data.fillings, Some(3));
+        // As many kilograms of larger beads.
+        let coarse = nature(&truth, 5, Care { coarse: true, ..care }).unwrap();
+        assert_eq!((coarse[0].run.frames, coarse[0].run.speeds_rpm.len()), (20, 5));
+        let count = |care: Care| {
+            let outline = nature(&truth, 5, care).unwrap();
+            let options = close_loop::campaign::drum_rig::Options::default();
+            close_loop::campaign::drum_rig::outline(&outline[0], &options).unwrap().particles as f64
+        };
+        let [few, many] =
+            [true, false].map(|coarse| count(Care { fillings: 1, weighed: false, coarse }));
+        assert!((few / many - 0.75_f64.powi(3)).abs() < 2e-3, "{few} {many}");
     }
 }

@@ -37,7 +37,8 @@ pub(crate) fn run(
 ) -> anyhow::Result<()> {
     let other = liggghts.then(|| Other::locate(Code::Liggghts)).transpose();
     let other = other.map_err(|e| anyhow::anyhow!(e))?;
-    let own = folder.join(if liggghts { "nulls_liggghts" } else { "nulls" });
+    let coarse = if care.coarse { "_coarse" } else { "" };
+    let own = folder.join(format!("nulls{}{coarse}", if liggghts { "_liggghts" } else { "" }));
     std::fs::create_dir_all(&own)?;
     let picture = fit_sampling();
     let drums = nature_lab(folder, jobs, picture.resolution)?;

@@ -49,7 +49,7 @@ pub struct Fit {
 pub struct Trial {
     /// Squared whitened residual.
     pub chi2: f64,
-    /// What the strength costs by its prior.
+    /// What the strength costs by its prior, and by how much more than the base's what was measured besides deviates.
     pub penalty: f64,
     /// Chi-square, logarithm of the determinant of the covariance, and penalty.
     pub deviance: f64,
@@ -127,6 +127,9 @@ pub struct Ranked {
     pub strength: Strength,
     /// Whether the strength sits at an end of its range other than "absent".
     pub at_bound: bool,
+    /// Deviance of what was measured besides the observations ([`crate::Simulator::aside`]), less that from the base: below 0
+    /// where it speaks for the effect.
+    pub aside: f64,
     /// Probability of the chi-square with the effect; must be above the level.
     pub p_absolute: f64,
     /// Chi-square gained over the same simulator without the effect, at the covariance of the

@@ -191,6 +191,15 @@ impl<'s> Model<'s> {
         Ok(mean)
     }
 
+    /// Deviance of what was measured besides the observations; none of signatures that are added.
+    pub(super) fn aside(&self, theta: &[f64]) -> Result<Option<f64>, CalibError> {
+        match self.kind {
+            Kind::One(s) => s.aside(theta),
+            Kind::Both { simulator, turned } => simulator.aside(&turn(theta, turned)),
+            Kind::Two { .. } => Ok(None),
+        }
+    }
+
     fn split(&self, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let d = self.frictions();
         (theta[..=d].to_vec(), theta[..d].iter().chain([&theta[d + 1]]).copied().collect())

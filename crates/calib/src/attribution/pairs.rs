@@ -3,7 +3,7 @@
 use super::evidence::{laplace, unknown};
 use super::gate::Case;
 use super::model::Model;
-use super::ranking::{Folds, Judged, fit, penalty, sort};
+use super::ranking::{Folds, Judged, aside, fit, penalty, sort};
 use super::solver::{Settled, held};
 use crate::CalibError;
 
@@ -45,8 +45,11 @@ pub(super) fn fit_pairs<'s>(
             judged.of.iter().all(|k| alone(*k).is_some_and(|d| d - judged.deviance() > within));
         let probable = laplace(&judged.fit) + prior > unknown;
         let fits = judged.p_absolute > PAIR_FACTOR * settings.level;
-        judged.explains =
-            fits && needed && judged.inside() && probable && lacks_neither(case, &judged, within)?;
+        judged.explains = fits
+            && needed
+            && judged.inside()
+            && probable
+            && lacks_neither(case, base, &judged, within)?;
         if judged.explains {
             judged.judge_held_out(case, base, folds)?;
             judged.explains &= judged.gain.is_none_or(|g| g > best_gain);
@@ -61,17 +64,20 @@ pub(super) fn fit_pairs<'s>(
 /// from runs of both may fit the data with one of them as good as off, where the surface of the other alone did not.
 fn lacks_neither(
     case: &Case<'_, '_>,
+    base: &Settled,
     judged: &Judged<'_>,
     within: f64,
 ) -> Result<bool, CalibError> {
     let model = &judged.model;
     let absent = model.unit(&model.absent(&judged.fit.theta[..model.frictions()]));
+    let none = case.base.aside(&base.theta)?;
     for axis in model.frictions()..model.len() {
         let mut unit = judged.fit.point.unit.clone();
         unit[axis] = absent[axis];
         let without = held(model, &case.data, &unit, axis)?;
         let penalty = penalty(case, &judged.of, &without.theta[model.frictions()..]);
-        if without.deviance + penalty - judged.deviance() <= within {
+        let aside = aside(model, &without.theta, none)?;
+        if without.deviance + aside + penalty - judged.deviance() <= within {
             return Ok(false);
         }
     }

@@ -21,6 +21,10 @@ const LEAST_SPEEDS: usize = 3;
 /// Frictions, as parts of their ranges, from which a model with one effect is fitted as well.
 const OTHER_FRICTIONS: [f64; 3] = [0.15, 0.45, 0.75];
 
+/// Deviance of what was measured besides the observations, less that from the base, above which an effect is contradicted:
+/// it makes that a thousand times less likely.
+const CONTRADICTED: f64 = 13.8;
+
 /// Least number of speeds at which both ends can be left out.
 const LEAST_FOR_ENDS: usize = 5;
 
@@ -94,6 +98,8 @@ pub(super) struct Judged<'s> {
     pub(super) fit: Settled,
     /// Squared strengths in units of their prior standard deviations.
     pub(super) penalty: f64,
+    /// Deviance of what was measured besides the observations, less that from the base.
+    pub(super) aside: f64,
     pub(super) p_absolute: f64,
     pub(super) p_single: f64,
     pub(super) p_family: f64,
@@ -108,9 +114,9 @@ pub(super) struct Judged<'s> {
 }
 
 impl Judged<'_> {
-    /// Deviance of the fit with what its strengths cost by their priors.
+    /// Deviance of the fit, of what was measured besides, and what its strengths cost by their priors.
     pub(super) fn deviance(&self) -> f64 {
-        self.fit.deviance() + self.penalty
+        self.fit.deviance() + self.aside + self.penalty
     }
 
     /// By how much more it deviates than `other`; what is less known of it than of that counts for little, so that nothing
@@ -209,10 +215,16 @@ pub(super) fn decide<'s>(
     let mut singles = Vec::new();
     for (k, model) in case.singles.iter().enumerate() {
         let mut judged = fit(case, model, &[k], base)?;
-        let better = base.deviance() - judged.deviance();
+        let better = base.deviance() - (judged.deviance() - judged.aside);
         (judged.p_single, judged.p_family) = screen.p_values(k, better);
         if !(judged.p_absolute > level) {
             judged.objections.push(format!("does not fit (p {:.2e})", judged.p_absolute));
+            judged.explains = false;
+        }
+        if judged.aside > CONTRADICTED {
+            let why =
+                "what was measured besides the responses is as without it, and not as with it";
+            judged.objections.push(why.to_owned());
             judged.explains = false;
         }
         if judged.reads_wrong(case) {
@@ -323,14 +335,17 @@ pub(super) fn fits<'s>(
             starts.extend(model.strength_starts().into_iter().skip(1).map(elsewhere));
         }
     }
+    let without = case.base.aside(&base.theta)?;
     let judged = |fit: Settled| {
         let penalty = penalty(case, of, &fit.theta[model.frictions()..]);
+        let aside = aside(model, &fit.theta, without)?;
         let p_absolute = chi_square_p(fit.chi2, case.data.len().saturating_sub(model.len()));
-        Judged {
+        Ok(Judged {
             of: of.to_vec(),
             model: model.clone(),
             fit,
             penalty,
+            aside,
             p_absolute,
             p_single: 1.0,
             p_family: 1.0,
@@ -340,9 +355,19 @@ pub(super) fn fits<'s>(
             objections: Vec::new(),
             explains: true,
             eligible: false,
-        }
+        })
     };
-    Ok(optima(model, &case.data, &starts)?.into_iter().map(judged).collect())
+    optima(model, &case.data, &starts)?.into_iter().map(judged).collect()
+}
+
+/// Deviance of what was measured besides the observations, less that from the base: 0 of signatures that are added.
+pub(super) fn aside(
+    model: &Model<'_>,
+    theta: &[f64],
+    without: Option<f64>,
+) -> Result<f64, CalibError> {
+    let own = model.aside(theta)?;
+    Ok(own.zip(without).map_or(0.0, |(own, without)| own - without))
 }
 
 /// Squared strengths in units of their prior standard deviations.

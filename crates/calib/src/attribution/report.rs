@@ -90,7 +90,7 @@ pub(super) fn fits(attribution: &Attribution<'_>) -> Result<(Fit, Vec<Vec<Fit>>)
         let optima = ranking::fits(&case, model, &[k], &base)?;
         let one = |judged: &Judged<'_>| {
             let mut own = report_fit(&case, model, &judged.fit)?;
-            own.deviance += judged.penalty;
+            own.deviance += judged.aside + judged.penalty;
             Ok::<Fit, CalibError>(own)
         };
         all.push(optima.iter().map(one).collect::<Result<_, _>>()?);
@@ -108,6 +108,7 @@ pub(super) fn trials(
     let case = Case::new(attribution, observations, Variation::default(), true)?;
     let Some(model) = case.singles.get(k) else { return Ok(Vec::new()) };
     let dof = case.data.len() - model.len();
+    let without = case.base.aside(&case.fit_base()?.theta)?;
     let one = |theta: &Vec<f64>| {
         let predicted = model.predict(theta, &case.data.speeds)?;
         let weight = case.data.weight(&predicted, None)?;
@@ -115,6 +116,7 @@ pub(super) fn trials(
         let residual: Vec<f64> = case.data.y.iter().zip(&mean).map(|(y, m)| y - m).collect();
         let chi2 = square(&weight.whiten(&residual));
         let penalty = ranking::penalty(&case, &[k], &theta[model.frictions()..]);
+        let penalty = penalty + ranking::aside(model, theta, without)?;
         let deviance = chi2 + weight.log_det + penalty;
         Ok(Trial { chi2, penalty, deviance, p: chi_square_p(chi2, dof) })
     };
@@ -130,6 +132,7 @@ pub(super) fn pair_places(
     let observations = &attribution.base.observations;
     let case = Case::new(attribution, observations, Variation::default(), true)?;
     let base = case.fit_base()?;
+    let without = case.base.aside(&base.theta)?;
     let mut places = Vec::new();
     let wanted = |a: &str, b: &str| among.iter().any(|[c, d]| a == c && b == d);
     for judged in pairs_fitted(&case, &base, wanted)? {
@@ -144,12 +147,14 @@ pub(super) fn pair_places(
         }
         let dof = case.data.len() - model.len();
         let fits = judged.inside() && judged.p_absolute > attribution.settings.level;
-        places.extend(all.into_iter().enumerate().map(|(k, (theta, chi2, deviance))| {
-            let penalty = ranking::penalty(&case, &judged.of, &theta[model.frictions()..]);
+        for (k, (theta, chi2, deviance)) in all.into_iter().enumerate() {
+            let penalty = ranking::penalty(&case, &judged.of, &theta[model.frictions()..])
+                + ranking::aside(model, &theta, without)?;
             let p = chi_square_p(chi2, dof);
             let trial = Trial { chi2, penalty, deviance: deviance + penalty, p };
-            PairPlace { names: [name(0), name(1)], theta, trial, eligible: fits && k == 0 }
-        }));
+            let names = [name(0), name(1)];
+            places.push(PairPlace { names, theta, trial, eligible: fits && k == 0 });
+        }
     }
     Ok((report_fit(&case, &case.base, &base)?, places))
 }
@@ -199,6 +204,7 @@ fn ranked(
         fit: report_fit(case, &judged.model, &judged.fit)?,
         strength: profile.strength,
         at_bound: (near(low) || near(high)) && !near(candidate.null),
+        aside: judged.aside,
         p_absolute: judged.p_absolute,
         improvement: screen.improvements[judged.of[0]],
         p_single: judged.p_single,
@@ -258,7 +264,8 @@ fn evidence(
 ) -> Result<Vec<Evidence>, CalibError> {
     let settings = &case.attribution.settings;
     let candidates = &case.attribution.candidates;
-    let pairs: Vec<f64> = decision.pairs.iter().map(|j| laplace(&j.fit)).collect();
+    let pair = |j: &Judged<'_>| laplace(&j.fit) - 0.5 * j.aside;
+    let pairs: Vec<f64> = decision.pairs.iter().map(pair).collect();
     let mut rows = vec![
         ("none".to_owned(), settings.prior_none, laplace(&screen.base)),
         (
@@ -274,7 +281,8 @@ fn evidence(
     let weights: f64 = candidates.iter().map(|c| c.prior).sum();
     for (judged, profile) in decision.singles.iter().zip(profiles) {
         let c = &candidates[judged.of[0]];
-        rows.push((c.name.clone(), rest * c.prior / weights, profile.log_likelihood));
+        let log_likelihood = profile.log_likelihood - 0.5 * judged.aside;
+        rows.push((c.name.clone(), rest * c.prior / weights, log_likelihood));
     }
     let top = rows.iter().map(|r| r.2).fold(f64::NEG_INFINITY, f64::max);
     let mass: Vec<f64> = rows.iter().map(|r| r.1 * (r.2 - top).exp()).collect();

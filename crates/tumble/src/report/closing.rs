@@ -250,6 +250,7 @@ fn candidates(o: &Outcome) -> Section {
                     short(r.improvement),
                     short(r.p_family),
                     short(r.p_absolute),
+                    format!("{:+.1}", r.aside),
                     short(r.evidence),
                 ],
                 flagged: false,
@@ -259,7 +260,8 @@ fn candidates(o: &Outcome) -> Section {
         .collect();
     let mut section = Section::new("Effects of the catalogue").with(Block::Paragraph(text));
     section.blocks.push(Block::Table(Table {
-        caption: "Each effect fitted together with the free parameters".to_owned(),
+        caption: "Each effect fitted together with the free parameters. By their scatter, frames speak for an effect below 0, against it above."
+            .to_owned(),
         columns: vec![
             Column::text("effect"),
             Column::number("strength", ""),
@@ -267,6 +269,7 @@ fn candidates(o: &Outcome) -> Section {
             Column::number("chi-square gained", ""),
             Column::number("p of the gain", "family"),
             Column::number("p of the fit", ""),
+            Column::number("scatter of frames", "deviance"),
             Column::number("posterior", ""),
         ],
         rows,

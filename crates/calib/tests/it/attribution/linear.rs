@@ -218,6 +218,54 @@ fn an_interval_reaches_as_far_as_nothing_is_known() {
     assert!((hi - best) / sd > 3.0, "{}", (hi - best) / sd);
 }
 
+/// A line beside which something else was measured, of this deviance.
+struct Beside(Line, f64);
+
+impl Simulator for Beside {
+    fn parameters(&self) -> Vec<String> {
+        self.0.parameters()
+    }
+    fn speed_range_rpm(&self) -> (f64, f64) {
+        self.0.speed_range_rpm()
+    }
+    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
+        self.0.predict(theta, speeds)
+    }
+    fn aside(&self, _: &[f64]) -> Result<Option<f64>, CalibError> {
+        Ok(Some(self.1))
+    }
+}
+
+#[test]
+fn what_is_measured_besides_ranks_effects_that_fit_alike_and_refutes_those_it_contradicts() {
+    let line = |aside: f64| Beside(Line(Some(|slope| slope)), aside);
+    let (base, first) = (Beside(Line(None), 10.0), line(7.0));
+    let plain = Line(None);
+    // Two equal lines; of the second something besides deviates by 5, 7, and 18 more, which is 15 more than without either.
+    for (more, in_class, refuted) in [(5.0, true, false), (7.0, false, false), (18.0, false, true)]
+    {
+        let rival = line(7.0 + more);
+        let settings = Settings { stability_bootstrap: 0, ..Settings::default() };
+        let angles = SPEEDS.into_iter().zip(ANGLE);
+        let mut all = question((&plain, &plain), angles, ((-0.5, 0.5), None), settings);
+        all.base.simulator = &base;
+        all.candidates[0].simulator = &first;
+        let second =
+            Candidate { name: "rival".to_owned(), simulator: &rival, ..all.candidates[0].clone() };
+        all.candidates.push(second);
+        let f = all.attribute().expect("is well posed");
+        let [slope, other] = [&f.ranked[0], &f.ranked[1]];
+        assert_eq!((&slope.name[..], &other.name[..]), ("slope", "rival"));
+        assert_eq!((slope.aside, other.aside), (-3.0, more - 3.0));
+        // Nothing of it enters fits and tests.
+        assert_eq!((slope.fit.deviance, slope.p_family), (other.fit.deviance, other.p_family));
+        assert!((slope.evidence / other.evidence / (0.5 * more).exp() - 1.0).abs() < 1e-9);
+        assert_eq!(other.objections.iter().any(|o| o.contains("besides")), refuted);
+        assert_eq!(matches!(&f.verdict, Verdict::Class(c) if c.len() == 2), in_class);
+        assert_eq!(f.verdict == Verdict::Effect("slope".to_owned()), !in_class);
+    }
+}
+
 #[test]
 fn what_is_known_less_does_not_leave_a_class_for_that() {
     let (base, line) = (Line(None), Line(Some(|slope| slope)));

@@ -1,0 +1,206 @@
+//! How far single frames scatter.
+//!
+//! A bed of larger or cohesive particles moves by larger lumps than another whose means are the same. Standard deviations
+//! of frames are known of every run and of what was measured, so their logarithms are one more thing that a model has to
+//! explain. They are continued between runs as the responses are.
+
+use std::sync::Arc;
+
+use calib::{CalibError, Observations, Simulator as _};
+use faer::linalg::solvers::Solve as _;
+use faer::{Mat, Side};
+
+use crate::emulator::{Axis, Emulator, Sample};
+
+/// Units of the regression, whose priors are those of degrees, for one of the logarithm.
+const SCALE: f64 = 5.0;
+
+/// Standard deviations of what the logarithm differs by for reasons of reading or of the code: of all of them together, of each response,
+/// of each value.
+const BESIDES: [f64; 3] = [0.1, 0.07, 0.05];
+
+/// Variance of the logarithm of a standard deviation times the number of independent frames. It would be a half of normal
+/// frames, but squares of what swings swing more slowly.
+const OF_FRAMES: f64 = 1.0;
+
+/// What was measured.
+#[derive(Debug, Clone, PartialEq)]
+struct Told {
+    speeds_rpm: Vec<f64>,
+    /// Place of each value among predictions at the speeds.
+    place: Vec<usize>,
+    value: Vec<f64>,
+    /// Covariance, row-major, of frames and of what is not modelled.
+    noise: Vec<f64>,
+}
+
+/// A model of the scatter of frames beside one of their means.
+#[derive(Debug, Clone)]
+pub(crate) struct Unrest {
+    model: Emulator,
+    told: Arc<Told>,
+}
+
+/// A run whose outputs are the logarithms.
+fn logarithms(run: &Sample) -> Sample {
+    let knots = || run.variance.iter().zip(&run.covariance);
+    let value = |variance: f64| 0.5 * SCALE * variance.max(f64::MIN_POSITIVE).ln();
+    let mean = run.variance.iter().map(|four| four.map(value)).collect();
+    let covariance: Vec<[[f64; 4]; 4]> = knots()
+        .map(|(variance, own)| {
+            // Independent frames of a response, and how two go together.
+            let frames = |r: usize| (variance[r] / own[r][r].max(f64::MIN_POSITIVE)).max(2.0);
+            let together = |r: usize, s: usize| {
+                own[r][s].powi(2) / (own[r][r] * own[s][s]).max(f64::MIN_POSITIVE)
+            };
+            std::array::from_fn(|r| {
+                std::array::from_fn(|s| {
+                    let rho = if r == s { 1.0 } else { together(r, s).min(0.95) };
+                    SCALE * SCALE * OF_FRAMES * rho / (frames(r) * frames(s)).sqrt()
+                })
+            })
+        })
+        .collect();
+    let variance = covariance.iter().map(|c| std::array::from_fn(|r| c[r][r])).collect();
+    Sample { at: run.at.clone(), mean, covariance, variance, excess: 0.0 }
+}
+
+impl Told {
+    fn of(observations: &Observations) -> Self {
+        let speeds_rpm = observations.speeds_rpm();
+        let items = &observations.items;
+        let place = items
+            .iter()
+            .map(|o| 4 * speeds_rpm.partition_point(|s| *s < o.omega_rpm) + o.response.index())
+            .collect();
+        let value = items.iter().map(|o| SCALE * o.sd.max(1e-6).ln()).collect();
+        let n = items.len();
+        let mut noise = vec![0.0; n * n];
+        let [all, response, each] = BESIDES.map(|sd| (SCALE * sd).powi(2));
+        for i in 0..n {
+            for j in 0..n {
+                let (a, b) = (&items[i], &items[j]);
+                let mut v = all;
+                if a.response == b.response {
+                    v += response;
+                }
+                if a.omega_rpm == b.omega_rpm {
+                    let own = |i: usize, j: usize| observations.covariance(i, j);
+                    let rho = own(i, j).powi(2) / (own(i, i) * own(j, j)).max(f64::MIN_POSITIVE);
+                    let frames = (observations.n_eff[i] * observations.n_eff[j]).sqrt().max(2.0);
+                    v += SCALE * SCALE * OF_FRAMES * if i == j { 1.0 } else { rho.min(0.95) }
+                        / frames;
+                }
+                if i == j {
+                    v += each;
+                }
+                noise[i * n + j] = v;
+            }
+        }
+        Self { speeds_rpm, place, value, noise }
+    }
+}
+
+impl Unrest {
+    /// Of the base model, for use about a point.
+    pub(crate) fn about(
+        (axes, origin, knots): (Vec<Axis>, Vec<f64>, Vec<f64>),
+        samples: &[Sample],
+        point: Option<&[f64]>,
+        (observations, fillings): (&Observations, u32),
+    ) -> Result<Self, CalibError> {
+        let runs: Vec<Sample> = samples.iter().map(logarithms).collect();
+        let model = Emulator::about(axes, origin, knots, &runs, point)?.with_fillings(fillings);
+        Ok(Self { model, told: Arc::new(Told::of(observations)) })
+    }
+
+    /// The same with other runs.
+    pub(crate) fn of_others(
+        &self,
+        axes: Vec<Axis>,
+        origin: Vec<f64>,
+        samples: &[Sample],
+    ) -> Result<Self, CalibError> {
+        let runs: Vec<Sample> = samples.iter().map(logarithms).collect();
+        let model = self.model.of_others(axes, origin, &runs)?;
+        Ok(Self { model, told: Arc::clone(&self.told) })
+    }
+
+    /// Deviance of what was measured from what is expected at a point.
+    pub(crate) fn deviance(&self, theta: &[f64]) -> Result<f64, CalibError> {
+        let told = &self.told;
+        let predicted = self.model.predict(theta, &told.speeds_rpm)?;
+        let n = told.place.len();
+        let covariance = Mat::from_fn(n, n, |i, j| {
+            told.noise[i * n + j] + predicted.covariance(told.place[i], told.place[j])
+        });
+        let fault = CalibError::Covariance { what: "the scatter of frames", size: n };
+        let factor = covariance.llt(Side::Lower).map_err(|_| fault)?;
+        let residual = Mat::from_fn(n, 1, |i, _| told.value[i] - predicted.mean[told.place[i]]);
+        let solved = factor.solve(&residual);
+        let chi2: f64 = (0..n).map(|i| residual[(i, 0)] * solved[(i, 0)]).sum();
+        let lower = factor.L();
+        let log_det: f64 = (0..n).map(|i| 2.0 * lower[(i, i)].ln()).sum();
+        Ok(chi2 + log_det)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scale::Scale;
+    use calib::FrameCorrelation;
+    use rig_schema::MeasuredTable;
+
+    const FRAMES: f64 = 60.0;
+
+    /// A bed whose frames scatter by less the higher its friction.
+    fn scatter(friction: f64) -> f64 {
+        0.5 / friction
+    }
+
+    fn measured(sd: f64) -> Observations {
+        let mut text = "omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,n_eff".to_owned();
+        for omega in [20, 40, 60] {
+            text += &format!("\n{omega},30,{sd},31,{sd},{FRAMES}");
+        }
+        let table = MeasuredTable::parse("measured.csv", &text).unwrap();
+        let range = (f64::NEG_INFINITY, f64::INFINITY);
+        Observations::from_table(&table, range, FRAMES, FrameCorrelation::default()).unwrap().0
+    }
+
+    #[test]
+    fn frames_tell_the_friction_at_which_they_scatter_as_measured() {
+        let run = |k: u32| {
+            let friction = 0.25 + 0.05 * f64::from(k);
+            let variance = scatter(friction).powi(2);
+            let own = std::array::from_fn(|r| {
+                std::array::from_fn(|s| variance / FRAMES * if r == s { 1.0 } else { 0.5 })
+            });
+            Sample {
+                at: vec![friction],
+                mean: vec![[30.0; 4]; 3],
+                covariance: vec![own; 3],
+                variance: vec![[variance; 4]; 3],
+                excess: 0.0,
+            }
+        };
+        let runs: Vec<Sample> = (0..12).map(run).collect();
+        let path = "friction.pp".to_owned();
+        let axes = vec![Axis { path, scale: Scale::Log, unit: 0.35, roughness: 1.0 }];
+        let place = (axes, vec![0.5], vec![20.0, 40.0, 60.0]);
+        let at = |sd: f64, friction: f64| {
+            let observations = measured(sd);
+            let told = (&observations, 1);
+            let unrest = Unrest::about(place.clone(), &runs, None, told).unwrap();
+            unrest.deviance(&[friction]).unwrap()
+        };
+        // Twice the friction halves the scatter: against 0.1 that all may be off by together, 0.07 of each response and what sixty frames
+        // leave, 0.69 is five standard deviations.
+        let (right, wrong) = (at(scatter(0.4), 0.4), at(scatter(0.4), 0.8));
+        assert!((20.0..60.0).contains(&(wrong - right)), "{right} {wrong}");
+        // A tenth more is within what reading may do.
+        let near = at(scatter(0.4), 0.44);
+        assert!((near - right).abs() < 1.5, "{right} {near}");
+    }
+}
