@@ -369,6 +369,11 @@ impl Emulator {
     pub(crate) fn between(&self, speeds_rpm: &[f64], at: &[[f64; 4]]) -> Vec<f64> {
         let mut mean = Vec::with_capacity(4 * speeds_rpm.len());
         for speed in speeds_rpm {
+            // Nothing is between there.
+            if let Some(k) = self.knots.iter().position(|knot| knot == speed) {
+                mean.extend(at[k]);
+                continue;
+            }
             let w = weights(&self.knots, *speed);
             mean.extend((0..4).map(|r| w.iter().zip(at).map(|(w, v)| w * v[r]).sum::<f64>()));
         }
