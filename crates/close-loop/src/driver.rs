@@ -13,6 +13,7 @@ use crate::curve::Change;
 use crate::emulator::Sample;
 use crate::error::CloseLoopError;
 use crate::outcome::Outcome;
+use crate::outlook::{LUCK, MORE_LUCK};
 use crate::plan::{Effort, LoopSettings, Setup};
 use crate::runs::{ByEffect, Runs};
 
@@ -102,6 +103,8 @@ pub(crate) struct State<'a> {
     time_s: Option<f64>,
     /// Whether something was left out for want of time.
     pub(crate) cut_short: bool,
+    /// By how much chi-square may fall short at places that nobody has looked at.
+    pub(crate) luck: f64,
     /// Answers that fresh runs refuted.
     pub(crate) refuted: usize,
     pub(crate) runs: Runs<'a>,
@@ -138,6 +141,7 @@ impl<'a> State<'a> {
             most,
             time_s,
             cut_short: false,
+            luck: LUCK,
             refuted: 0,
             runs,
             base: Vec::new(),
@@ -248,6 +252,7 @@ impl CloseLoop<'_> {
                     return Ok(standing(outcome, stood));
                 }
                 looked_on = true;
+                state.luck = MORE_LUCK;
                 state.learn(learned);
                 let before = state.runs.everyday;
                 state.refine(left, &self.settings.attribution, watch)?;
