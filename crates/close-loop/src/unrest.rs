@@ -15,13 +15,16 @@ use crate::emulator::{Axis, Emulator, Sample};
 /// Units of the regression, whose priors are those of degrees, for one of the logarithm.
 const SCALE: f64 = 5.0;
 
-/// Standard deviations of what the logarithm differs by for reasons of reading or of the code: of all of them together, of each response,
-/// of each value.
+/// Standard deviations of what the logarithm differs by for reasons of reading or of the code: of all values together, of those of
+/// a response, of each.
 const BESIDES: [f64; 3] = [0.1, 0.07, 0.05];
 
 /// Variance of the logarithm of a standard deviation times the number of independent frames. It would be a half of normal
 /// frames, but squares of what swings swing more slowly.
 const OF_FRAMES: f64 = 1.0;
+
+/// Least standard deviation that is told from none, deg or percent of R: a bed that turns as one body shows about that.
+const QUIET: f64 = 1e-3;
 
 /// What was measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +47,7 @@ pub(crate) struct Unrest {
 /// A run whose outputs are the logarithms.
 fn logarithms(run: &Sample) -> Sample {
     let knots = || run.variance.iter().zip(&run.covariance);
-    let value = |variance: f64| 0.5 * SCALE * variance.max(f64::MIN_POSITIVE).ln();
+    let value = |variance: f64| SCALE * variance.sqrt().max(QUIET).ln();
     let mean = run.variance.iter().map(|four| four.map(value)).collect();
     let covariance: Vec<[[f64; 4]; 4]> = knots()
         .map(|(variance, own)| {
@@ -73,7 +76,7 @@ impl Told {
             .iter()
             .map(|o| 4 * speeds_rpm.partition_point(|s| *s < o.omega_rpm) + o.response.index())
             .collect();
-        let value = items.iter().map(|o| SCALE * o.sd.max(1e-6).ln()).collect();
+        let value = items.iter().map(|o| SCALE * o.sd.max(QUIET).ln()).collect();
         let n = items.len();
         let mut noise = vec![0.0; n * n];
         let [all, response, each] = BESIDES.map(|sd| (SCALE * sd).powi(2));
