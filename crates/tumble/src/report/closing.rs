@@ -260,16 +260,16 @@ fn candidates(o: &Outcome) -> Section {
         .collect();
     let mut section = Section::new("Effects of the catalogue").with(Block::Paragraph(text));
     section.blocks.push(Block::Table(Table {
-        caption: "Each effect fitted together with the free parameters. By their scatter, frames speak for an effect below 0, against it above."
+        caption: "Each effect fitted together with the free parameters. Gain: of chi-square, with its probability by chance in the whole catalogue. Frames: by their scatter they speak for an effect below 0, against it above."
             .to_owned(),
         columns: vec![
             Column::text("effect"),
             Column::number("strength", ""),
             Column::text("95 %"),
-            Column::number("chi-square gained", ""),
-            Column::number("p of the gain", "family"),
+            Column::number("gain", ""),
+            Column::number("its p", ""),
             Column::number("p of the fit", ""),
-            Column::number("scatter of frames", "deviance"),
+            Column::number("frames", ""),
             Column::number("posterior", ""),
         ],
         rows,
