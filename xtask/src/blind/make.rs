@@ -33,7 +33,7 @@ pub(crate) struct Care {
     #[arg(long)]
     pub(crate) weighed: bool,
     /// A coarse drum: beads of 7 mm instead of 6, five speeds instead of six, half the frames: a fifth of the work. (With fewer than
-    /// 300 beads a bed is no continuum: of 41 drums of 236 beads that lack nothing three were alarms.)
+    /// 300 beads a bed is no continuum: of 43 drums of 236 beads that lack nothing three were alarms.)
     #[arg(long)]
     pub(crate) coarse: bool,
 }
