@@ -239,7 +239,7 @@ impl CloseLoop<'_> {
             let open = open && !costly;
             let spare = state.spare(1 + if refuted { 2 } else { CONFIRMED_MEMBERS });
             let learns = learned.iter().any(|l| state.can_learn(l));
-            let tired = round == retries || spare == 0 || costly && !state.has_time(1);
+            let tired = round == retries || spare == 0;
             if !(refuted || open) || tired || !learns {
                 // What was kept for answers that are refuted looks on where nobody has looked, once.
                 // Of what nothing explains there is no class to be confirmed, at most a pair.
