@@ -59,6 +59,9 @@ enum Task {
         /// With --dem: instead, beads whose radii scatter as Table 6 prints: docs/src/own-dem-sizes.md.
         #[arg(long, requires = "dem", conflicts_with_all = ["between", "edem_laws", "beads"])]
         sizes: bool,
+        /// With --dem: instead, a drum of 240 mm inside, 250 mm being its outside: docs/src/own-dem-tube.md.
+        #[arg(long, requires = "dem", conflicts_with_all = ["between", "edem_laws", "beads", "sizes"])]
+        tube: bool,
         /// With --dem and --variants: simulations at a time; with --dem, 0 compares what is kept.
         #[arg(long, default_value_t = 2)]
         jobs: usize,
@@ -113,6 +116,9 @@ fn main() -> ExitCode {
         }
         Task::Reproduce { sizes: true, configurations, jobs, .. } => {
             reproduce::sizes::run(&configurations, jobs)
+        }
+        Task::Reproduce { tube: true, configurations, jobs, .. } => {
+            reproduce::tube::run(&configurations, jobs)
         }
         Task::Reproduce { dem: true, configurations, between, edem_laws, jobs, .. } => {
             let more = reproduce::dem::More { between, edem_laws };

@@ -11,7 +11,7 @@ use calib_report::pictures::{
     AxisSpacing, ChartAxis, ChartPoint, ChartSeries, LineChart, SeriesStyle,
 };
 
-use super::campaigns::{Design, MORE, keep_fuller, simulate};
+use super::campaigns::{Design, Kept, MORE, keep, simulate};
 use super::dem::{
     BySetting, Setting, TARGET, agreement, bias_at, by_edem_laws, by_setting, kept, speeds_of,
 };
@@ -184,7 +184,7 @@ pub(crate) fn run(configs: &[String], jobs: usize) -> anyhow::Result<()> {
     }
     for config in configs {
         let _ = simulate(config, Design::OursFuller, jobs)?;
-        keep_fuller(config)?;
+        keep(config, Kept::Fuller)?;
     }
     let text = format!("{HEAD}{told}\n{OUTCOME}{outcome}\n{SPEEDS}{speeds}\n{PICTURES}{pictures}");
     crate::write_whole(&docs.join("own-dem-beads.md"), text.trim_end())?;

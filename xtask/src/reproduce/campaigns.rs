@@ -37,6 +37,9 @@ const DEVIATION: [(&str, &str); 2] = [
     ("time_step_s = 7e-5", "time_step_s = 6e-5"),
 ];
 
+/// The printed diameter, 250 mm, as that of the tube's outside, its wall 5 mm.
+const TUBE: (&str, &str) = ("radius_m = 0.125\n", "radius_m = 0.120\n");
+
 /// Which settings of a configuration are simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Design {
@@ -55,12 +58,13 @@ pub(crate) enum Design {
     Limits,
     /// By EDEM's laws with radii that scatter by as much.
     Deviation,
+    /// By EDEM's laws in a drum of 240 mm inside.
+    Tube,
+    /// Those of Table 8 by our laws in a drum of 240 mm inside.
+    OursTube,
 }
 
 impl Design {
-    /// Those that make a table of responses.
-    const OF_TABLE: [Self; 2] = [Self::Table8, Self::Between];
-
     /// Lines of the plan of Table 8 and what stands in their place.
     const fn changes(self) -> &'static [(&'static str, &'static str)] {
         match self {
@@ -77,6 +81,8 @@ impl Design {
             Self::OursFuller => &[FULLER],
             Self::Limits => &[EDEM_LAWS[0], EDEM_LAWS[1], LIMITS],
             Self::Deviation => &[EDEM_LAWS[0], EDEM_LAWS[1], DEVIATION[0], DEVIATION[1]],
+            Self::Tube => &[EDEM_LAWS[0], EDEM_LAWS[1], TUBE],
+            Self::OursTube => &[TUBE],
         }
     }
 
@@ -89,6 +95,8 @@ impl Design {
             Self::OursFuller => "-fuller",
             Self::Limits => "-edem-laws-limits",
             Self::Deviation => "-edem-laws-spread",
+            Self::Tube => "-edem-laws-tube",
+            Self::OursTube => "-tube",
         };
         crate::root().join(format!("target/reproduce/{}{suffix}", config.to_lowercase()))
     }
@@ -189,21 +197,50 @@ fn rows(campaign: &Campaign) -> anyhow::Result<Vec<OwnRow>> {
     Ok(out)
 }
 
-/// Path of a configuration's table below `fixtures/`, with the printed number of beads or [`MORE`] times as many.
-pub(super) fn table(config: &str, fuller: bool) -> String {
-    format!("own/{config}{}.csv", if fuller { "_fuller" } else { "" })
+/// Runs by our laws that are kept as tables of responses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// As the thesis prints the drum.
+    Printed,
+    /// With [`MORE`] times as many beads.
+    Fuller,
+    /// In a drum of 240 mm inside.
+    Tube,
 }
 
-/// Write what both designs have shown so far as a table of responses.
-pub(crate) fn keep(config: &str) -> anyhow::Result<()> {
-    let how = format!("cargo xtask reproduce --dem {config} --between");
-    write(&table(config, false), config, &how, &Design::OF_TABLE)
+impl Kept {
+    /// Path of a configuration's table below `fixtures/`.
+    pub(super) fn table(self, config: &str) -> String {
+        let suffix = match self {
+            Self::Printed => "",
+            Self::Fuller => "_fuller",
+            Self::Tube => "_tube",
+        };
+        format!("own/{config}{suffix}.csv")
+    }
+
+    /// Option of `reproduce --dem` that simulates them.
+    const fn option(self) -> &'static str {
+        match self {
+            Self::Printed => "--between",
+            Self::Fuller => "--beads",
+            Self::Tube => "--tube",
+        }
+    }
+
+    const fn designs(self) -> &'static [Design] {
+        match self {
+            Self::Printed => &[Design::Table8, Design::Between],
+            Self::Fuller => &[Design::OursFuller],
+            Self::Tube => &[Design::OursTube],
+        }
+    }
 }
 
-/// The same for [`MORE`] times as many beads.
-pub(super) fn keep_fuller(config: &str) -> anyhow::Result<()> {
-    let how = format!("cargo xtask reproduce --dem {config} --beads");
-    write(&table(config, true), config, &how, &[Design::OursFuller])
+/// Write what was simulated so far as a table of responses.
+pub(super) fn keep(config: &str, which: Kept) -> anyhow::Result<()> {
+    let how = format!("cargo xtask reproduce --dem {config} {}", which.option());
+    write(&which.table(config), config, &how, which.designs())
 }
 
 fn write(path: &str, config: &str, how: &str, designs: &[Design]) -> anyhow::Result<()> {
@@ -247,7 +284,9 @@ mod tests {
         assert!(LIMITS.1.contains(&spread), "{spread}");
         for plan in ["thesis/plans/az1.toml", "thesis/plans/az2.toml"] {
             let text = fixture(plan).unwrap();
-            for design in [Design::Limits, Design::Deviation, Design::Fuller, Design::Between] {
+            for design in
+                [Design::Limits, Design::Deviation, Design::Fuller, Design::Between, Design::Tube]
+            {
                 assert!(design.changes().iter().all(|(old, _)| text.contains(old)), "{plan}");
             }
         }

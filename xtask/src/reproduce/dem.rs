@@ -11,7 +11,7 @@ use anyhow::Context;
 use rig_schema::{ErrataLevel, Response, SimulatedTable};
 use serde::{Deserialize, Serialize};
 
-use super::campaigns::{Design, OwnRow, Reading, keep, simulate};
+use super::campaigns::{Design, Kept, OwnRow, Reading, keep, simulate};
 use super::tables;
 
 /// Largest root mean square error aimed at, deg, deg, % R, % R.
@@ -85,7 +85,7 @@ pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result
     let (kept, mut all) = kept()?;
     for config in configs {
         let ours = by_setting(&simulate(config, Design::Table8, jobs)?);
-        keep(config)?;
+        keep(config, Kept::Printed)?;
         let mut sets = vec![(false, ours)];
         if more.edem_laws {
             sets.push((true, by_setting(&simulate(config, Design::EdemLaws, jobs)?)));
@@ -104,7 +104,7 @@ pub(crate) fn run(configs: &[String], more: More, jobs: usize) -> anyhow::Result
         crate::write_whole(&kept, &serde_json::to_string_pretty(&all)?)?;
         if more.between {
             simulate(config, Design::Between, jobs)?;
-            keep(config)?;
+            keep(config, Kept::Printed)?;
         }
     }
     println!("{}", summary(all.iter().filter(|c| !c.edem_laws)));

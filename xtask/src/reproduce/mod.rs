@@ -8,9 +8,12 @@ mod markdown;
 mod materials;
 pub(crate) mod own;
 mod own_beads;
+mod own_tube;
+mod printed;
 mod ranges;
 pub(crate) mod sizes;
 mod surrogates;
+pub(crate) mod tube;
 pub(crate) mod variants;
 
 use std::time::Instant;

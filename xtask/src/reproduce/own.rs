@@ -10,9 +10,9 @@ use calib::{Study, root_mean_square};
 use rig_schema::{Case, ErrataLevel, Nuisance, Response, SimulatedTable, Simulator, TableBasis};
 use serde::Serialize;
 
-use super::campaigns::table;
+use super::campaigns::Kept;
 use super::materials::Material;
-use super::{markdown, own_beads, records, study, tables};
+use super::{markdown, own_beads, own_tube, records, study, tables};
 
 /// Configurations of the beads.
 pub(crate) const CONFIGS: [&str; 4] = ["AZ1_Plexi", "AZ2_Plexi", "AZ1_Steel", "AZ2_Steel"];
@@ -52,14 +52,18 @@ pub(crate) const TABLE_8_WALL: f64 = 0.4;
 /// A configuration with the table of our own runs, walls from `least_wall` on: its case as it is then, and
 /// the study.
 pub(crate) fn own_study(name: &str, least_wall: f64) -> anyhow::Result<(Case, Study)> {
-    own_study_of(name, least_wall, own_table(name, false)?)
+    own_study_of(name, least_wall, own_table(name, Kept::Printed)?)
+}
+
+/// Configuration of particles and filling, without the wall.
+pub(super) fn configuration(name: &str) -> &str {
+    name.split('_').next().unwrap_or(name)
 }
 
 /// The table of our own runs of a configuration.
-pub(super) fn own_table(name: &str, fuller: bool) -> anyhow::Result<SimulatedTable> {
+pub(super) fn own_table(name: &str, which: Kept) -> anyhow::Result<SimulatedTable> {
     let (case, ..) = tables(name, ErrataLevel::Certain)?;
-    let config = name.split('_').next().unwrap_or(name);
-    let file = table(config, fuller);
+    let file = which.table(configuration(name));
     let path = crate::root().join("fixtures").join(&file);
     let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let columns = Study::columns(&case)?;
@@ -234,7 +238,7 @@ pub(crate) fn run() -> anyhow::Result<()> {
         Material::of("By our own runs, walls as far down as simulated", &wider)?,
     ];
     let docs = crate::root().join("docs");
-    let text = page(&all, &materials)? + &own_beads::section()?;
+    let text = page(&all, &materials)? + &own_beads::section()? + &own_tube::section()?;
     crate::write_whole(&docs.join("src/own-dem-calibration.md"), &text)?;
     let json = serde_json::json!({ "calibrated": all, "one_friction": materials });
     crate::write_whole(

@@ -4,8 +4,10 @@ use std::fmt::Write as _;
 
 use rig_schema::SimulatedTable;
 
-use super::campaigns::{MORE, table};
-use super::own::{CONFIGS, TABLE_8_WALL, basis, calibrated, own_study_of, own_table};
+use super::campaigns::{Kept, MORE};
+use super::own::{
+    CONFIGS, TABLE_8_WALL, basis, calibrated, configuration, own_study_of, own_table,
+};
 
 /// Factors on the printed number that are tried: beyond those that were simulated the line's own error grows.
 const FACTORS: [f64; 4] = [1.0, 1.05, 1.1, 1.15];
@@ -13,7 +15,7 @@ const FACTORS: [f64; 4] = [1.0, 1.05, 1.1, 1.15];
 /// Our runs with so many times the printed number of beads: the straight line through what [`MORE`] times as many and the
 /// printed number show, at settings that have both.
 fn with_beads(name: &str, factor: f64) -> anyhow::Result<SimulatedTable> {
-    let (mut printed, more) = (own_table(name, false)?, own_table(name, true)?);
+    let (mut printed, more) = (own_table(name, Kept::Printed)?, own_table(name, Kept::Fuller)?);
     let part = (factor - 1.0) / (MORE - 1.0);
     printed.rows.retain_mut(|row| {
         let same = |r: &&rig_schema::SimulatedRow| {
@@ -35,8 +37,8 @@ fn with_beads(name: &str, factor: f64) -> anyhow::Result<SimulatedTable> {
 pub(super) fn section() -> anyhow::Result<String> {
     let mut s = String::from(HEAD);
     for name in CONFIGS {
-        let config = name.split('_').next().unwrap_or(name);
-        if !crate::root().join("fixtures").join(table(config, true)).exists() {
+        let file = Kept::Fuller.table(configuration(name));
+        if !crate::root().join("fixtures").join(file).exists() {
             continue;
         }
         for factor in FACTORS {
