@@ -86,6 +86,15 @@ pub(crate) struct Drift<'a> {
     pub(crate) dt: f64,
 }
 
+/// How far a piece of bodies has moved since the list was made.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Farthest {
+    /// Whether the list may miss a pair.
+    pub(crate) too_far: bool,
+    /// The largest displacement, m, squared.
+    pub(crate) square: f64,
+}
+
 /// The halves of a step for one piece of bodies.
 pub(crate) struct Piece<'a, M, I> {
     pub(crate) integrator: I,
@@ -97,20 +106,20 @@ pub(crate) struct Piece<'a, M, I> {
 }
 
 impl<M, I: Integrator> RecordWork for Piece<'_, M, I> {
-    /// Powers, and whether the list may miss a pair.
-    type Yield = (Flow, bool);
+    /// Powers, and how far they have moved.
+    type Yield = (Flow, Farthest);
 
     #[inline(always)]
-    fn run<Q: Quad>(mut self) -> (Flow, bool) {
+    fn run<Q: Quad>(mut self) -> (Flow, Farthest) {
         let mut flow = Flow::default();
         if let Some(kick) = self.kick {
             kick.bodies::<Q, I>(&self.integrator, &mut self.run, self.sums, &mut flow);
         }
-        let moved_far = match self.drift {
+        let farthest = match self.drift {
             Some(drift) => drift.bodies::<Q, I>(&self.integrator, &mut self.run),
-            None => false,
+            None => Farthest::default(),
         };
-        (flow, moved_far)
+        (flow, farthest)
     }
 }
 
@@ -146,12 +155,13 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             limit: (0.5 * self.make.skin).powi(2),
             dt: self.make.dt,
         };
-        let chunks = &mut self.scratch.body_yield;
+        let (chunks, moved) = (&mut self.scratch.body_yield, &mut self.scratch.moved);
         let b = &mut self.state.bodies;
+        moved.cover(b.id.len());
         let count = b.id.len().div_ceil(CHUNK);
         chunks.resize(count, BodyYield::default());
-        let parts = (cut_bodies(b, CHUNK), cut(chunks, 1));
-        self.team.each(count, parts, |c, (columns, result)| {
+        let parts = (cut_bodies(b, CHUNK), cut(&mut moved.square, CHUNK / PIECE), cut(chunks, 1));
+        self.team.each(count, parts, |c, (columns, moved, result)| {
             let (mut whole, result) = (Run::of(c * CHUNK, columns), &mut result[0]);
             if kicks {
                 result.flow = Flow::default();
@@ -159,15 +169,16 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             result.moved_far = false;
             let mut sums = [Pull::ZERO; PIECE];
             let count = whole.count();
-            for piece in (0..count).step_by(PIECE) {
+            for (piece, moved) in (0..count).step_by(PIECE).zip(moved) {
                 let range = piece..(piece + PIECE).min(count);
                 let run = whole.some(range.clone());
                 let kick = kicks.then_some(&kick);
                 let drift = drifts.then_some(&drift);
                 let piece = Piece { integrator, kick, drift, run, sums: &mut sums[..range.len()] };
-                let (flow, moved_far) = on_records(level, piece);
+                let (flow, farthest) = on_records(level, piece);
                 result.flow.add(&flow);
-                result.moved_far |= moved_far;
+                result.moved_far |= farthest.too_far;
+                *moved = moved.max(farthest.square);
             }
         });
         drifts && self.scratch.body_yield.iter().any(|y| y.moved_far)
@@ -240,11 +251,11 @@ impl<M> Kick<'_, M> {
 }
 
 impl Drift<'_> {
-    /// Move on to the next step; returns whether the list may miss a pair there.
+    /// Move on to the next step; returns how far they have moved then.
     #[inline(always)]
-    fn bodies<Q: Quad, I: Integrator>(&self, integrator: &I, run: &mut Run<'_>) -> bool {
+    fn bodies<Q: Quad, I: Integrator>(&self, integrator: &I, run: &mut Run<'_>) -> Farthest {
         let dt = self.dt;
-        let mut moved_far = false;
+        let mut farthest = Farthest::default();
         let [x, y, z, shift] = &self.frame.columns();
         let (x, y, z, shift) = (Q::load(x), Q::load(y), Q::load(z), Q::load(shift));
         let reference = &self.reference[run.begin..run.begin + run.position.len()];
@@ -272,9 +283,12 @@ impl Drift<'_> {
             }
             let moved = (position - (x * r.x + y * r.y + z * r.z + shift)).length_squared();
             // Also if it is no number.
-            moved_far |= !(moved <= self.limit);
+            farthest.too_far |= !(moved <= self.limit);
+            if moved > farthest.square {
+                farthest.square = moved;
+            }
         }
-        moved_far
+        farthest
     }
 }
 

@@ -7,6 +7,7 @@
 use crate::contact::model::ContactLaw;
 use crate::forces::{ChunkYield, Contacts, Late, MemoryRun};
 use crate::geometry::Nearest;
+use crate::neighbour::near_order::Looks;
 use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
@@ -44,6 +45,7 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     s.wall_yield.resize_with(entries.div_ceil(CHUNK), Default::default);
     place_on_meshes(context, make, walls, &mut s.mesh_nearest);
 
+    let (order, moved) = (&s.near_order, &s.moved);
     let (active, near_active) = pairs.active.split_at_mut(near_begin);
     let (memory, near_memory) = pairs.memory.split_at_mut(near_begin * slots);
     let (first, second) = (&pairs.first[..], &pairs.second[..]);
@@ -77,9 +79,10 @@ pub(crate) fn all_contacts<M: ContactLaw>(
         ),
         work: |c, (active, numbers, into): (&mut [u8], &mut [f64], &mut [ChunkYield])| {
             let begin = near_begin + c * CHUNK;
-            let (first, second) = (&first[begin..], &second[begin..]);
+            let chunk = NearPairs { first: &first[begin..], second: &second[begin..], active };
             let memory = MemoryRun { slots, numbers };
-            near_pairs(context, vector, first, second, active, memory, &mut into[0]);
+            let looks = vector.and_then(|v| Some((v, order.looks(c, near, moved)?)));
+            near_pairs(context, looks, chunk, memory, &mut into[0]);
         },
     };
     let (sphere, wall, nearest) = (&walls.sphere[..], &walls.wall[..], &s.mesh_nearest[..]);
@@ -164,38 +167,64 @@ pub(crate) fn touching_pairs<M: ContactLaw>(
     }
 }
 
+/// A chunk of near pairs.
+struct NearPairs<'a> {
+    first: &'a [u32],
+    second: &'a [u32],
+    active: &'a mut [u8],
+}
+
+/// Compute the near pairs of a chunk that act: of all, or of those that need a look and those that acted before.
 fn near_pairs<M: ContactLaw>(
     context: &Contacts<'_, M>,
-    vector: Option<(Level, &PairKernel<'_>)>,
-    first: &[u32],
-    second: &[u32],
-    active: &mut [u8],
+    looks: Option<((Level, &PairKernel<'_>), Looks<'_>)>,
+    chunk: NearPairs<'_>,
     mut memory: MemoryRun<'_>,
     into: &mut ChunkYield,
 ) {
     into.reset();
+    let NearPairs { first, second, active } = chunk;
     let mut look = |k: usize, active: &mut u8| {
         let (a, b) = (first[k], second[k]);
         if let Some(wrench) = context.pair(a, b, k, active, &mut memory, into) {
             into.late.push(Late { first: a, second: b, wrench });
         }
     };
-    // The vector kernel passes over blocks in which nothing touches or touched.
-    let mut touching = [u8::MAX; CHUNK / LANES];
-    if let Some((level, kernel)) = vector {
-        let (first, second) = (first.as_chunks().0, second.as_chunks().0);
-        let whole = (active.len() / LANES).min(first.len());
-        kernel.touch(level, first, second, &mut touching[..whole]);
-    }
-    for (block, (active, touch)) in active.chunks_mut(LANES).zip(touching).enumerate() {
-        let k = block * LANES;
-        if touch == 0 && active.first_chunk::<LANES>() == Some(&[0; LANES]) {
-            continue;
-        }
-        for (lane, active) in active.iter_mut().enumerate() {
-            if touch >> lane & 1 != 0 || *active != 0 {
-                look(k + lane, active);
+    let Some(((level, kernel), looks)) = looks else {
+        active.iter_mut().enumerate().for_each(|(k, active)| look(k, active));
+        return;
+    };
+    // A bit a pair, so that pairs are computed in the order of the list.
+    let mut wanted = [0u64; CHUNK / 64];
+    for (bits, active) in wanted.iter_mut().zip(active.chunks(64)) {
+        let (blocks, rest) = active.as_chunks::<LANES>();
+        let acted = blocks.iter().enumerate().filter(|(_, marks)| **marks != [0; LANES]);
+        for (block, marks) in acted {
+            for (lane, _) in marks.iter().enumerate().filter(|(_, mark)| **mark != 0) {
+                *bits |= 1 << (block * LANES + lane);
             }
+        }
+        for (k, _) in rest.iter().enumerate().filter(|(_, mark)| **mark != 0) {
+            *bits |= 1 << (blocks.len() * LANES + k);
+        }
+    }
+    let mut touching = [0; CHUNK / LANES];
+    let touching = &mut touching[..looks.first.len()];
+    kernel.touch(level, looks.first, looks.second, touching);
+    for (touching, index) in touching.iter().zip(looks.index) {
+        let mut left = *touching;
+        while left != 0 {
+            let pair = index[left.trailing_zeros() as usize];
+            wanted[usize::from(pair / 64)] |= 1 << (pair % 64);
+            left &= left - 1;
+        }
+    }
+    for (word, bits) in wanted.into_iter().enumerate() {
+        let mut left = bits;
+        while left != 0 {
+            let k = 64 * word + left.trailing_zeros() as usize;
+            look(k, &mut active[k]);
+            left &= left - 1;
         }
     }
 }

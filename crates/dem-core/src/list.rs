@@ -16,14 +16,15 @@ use crate::neighbour::cell_list::CellList;
 use crate::neighbour::verlet_list::{Found, LANES};
 use crate::particles::{Bodies, Record};
 use crate::simd::{Level, widened};
+use crate::step::kernel_of;
 use crate::threads::cut;
-use crate::world::{Kept, Members, SPHERE, World};
+use crate::world::{Kept, Members, SPHERE, World, sphere_view};
 
 /// Lists between two re-sortings of the bodies in memory.
 const BUILDS_PER_SORT: u64 = 16;
 
 /// Share of the skin up to which a gap counts as touching when the list is made.
-const TOUCHING_MARGIN: f64 = 0.02;
+const TOUCHING_MARGIN: f64 = 0.05;
 
 /// Bodies whose partners are searched in one chunk of work.
 const SEARCH: usize = 512;
@@ -67,10 +68,28 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         state.list.time = state.step as f64 * self.make.dt;
         state.list.builds += 1;
         state.list_stale = false;
+        s.moved.reset(state.bodies.len());
         s.placed_then.clone_from(&s.placed);
         s.kept = Kept::None;
         s.strips.forget();
+        self.order_near();
         Ok(())
+    }
+
+    /// Sort the near pairs by their gaps, where spheres are the bodies and kernels look at pairs.
+    fn order_near(&mut self) {
+        let s = &mut self.scratch;
+        let (bodies, members, make) = (&self.state.bodies, &self.state.members, &self.make);
+        let spheres = sphere_view(bodies, members, false, make.dt);
+        match kernel_of(make, spheres, make.dt, false) {
+            Some(kernel) if make.shapes.is_empty() => {
+                let range = make.skin + make.range;
+                s.near_order.make(&self.state.pairs, range, &self.team, |first, second, gaps| {
+                    kernel.gaps(make.level, first, second, gaps);
+                });
+            }
+            _ => s.near_order.forget(),
+        }
     }
 
     /// Check that every body is somewhere in the domain; wrap it into the period.

@@ -77,6 +77,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             all_contacts(&context, vector, &self.team, make, &mut pairs, &mut walls, &mut s, false);
         }
         let mut deep = s.near_yield.iter().chain(&s.wall_yield).any(|y| y.deep.is_some());
+        s.moved.cover(bodies.len());
         s.keep_some(pairs.near_begin, &strips);
         s.rings.resize_with(strips.count(), Ring::default);
         s.strip_yield.resize(strips.count(), StripYield::default());
@@ -108,7 +109,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             (std::mem::take(&mut pairs.active), std::mem::take(&mut pairs.memory));
         {
             let count = bodies.len();
-            let mut cut_columns = cut_bodies(&mut bodies, PIECE);
+            let cut_columns = cut_bodies(&mut bodies, PIECE);
             let view = |column: usize| cut_columns[column].view();
             let spheres = SphereView {
                 position: view(0),
@@ -137,8 +138,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kept.each_mut().map(|wrenches| cut(wrenches, CHUNK)),
                 cut(&mut s.pair_yield, 1),
             );
+            let mut pieces = (cut_columns, cut(&mut s.moved.square, 1));
             let parts = (
-                Runs::new(&mut cut_columns, &strips.pieces),
+                Runs::new(&mut pieces, &strips.pieces),
                 Runs::new(&mut chunks, &strips.chunks),
                 cut(&mut s.rings, 1),
                 cut(&mut s.strip_yield, 1),
@@ -153,13 +155,16 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         kick.collect.pairs = Some((&pairs, kept.each_ref().map(|wrenches| &wrenches[..])));
         let deferred = &strips.deferred;
         s.body_yield.resize(deferred.len(), BodyYield::default());
-        let parts = (chosen(cut_bodies(&mut bodies, PIECE), deferred), cut(&mut s.body_yield, 1));
-        self.team.each(deferred.len(), parts, |k, (columns, result)| {
+        let pieces = (cut_bodies(&mut bodies, PIECE), cut(&mut s.moved.square, 1));
+        let parts = (chosen(pieces, deferred), cut(&mut s.body_yield, 1));
+        self.team.each(deferred.len(), parts, |k, ((columns, moved), result)| {
             let run = Run::of(deferred[k] as usize * PIECE, columns);
             let (mut sums, count) = ([Pull::ZERO; PIECE], run.count());
             let (kick, drift) = (Some(&kick), (!deep).then_some(&drift));
             let piece = Piece { integrator, kick, drift, run, sums: &mut sums[..count] };
-            result[0].moved_far = on_records(level, piece).1;
+            let (_, farthest) = on_records(level, piece);
+            result[0].moved_far = farthest.too_far;
+            moved[0] = moved[0].max(farthest.square);
         });
         moved_far |= s.body_yield.iter().any(|y| y.moved_far);
         if deep {
@@ -193,7 +198,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         ring: &mut Ring,
     ) -> StripYield
     where
-        B: Cut<Part = Columns<'b>>,
+        B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
         C: Cut<Part = Chunk<'b>>,
     {
         let (pairs, slots) = (self.pairs, self.pairs.slots);
@@ -216,7 +221,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 let sums = ring.piece(begin, PIECE.min(self.bodies - begin));
                 if !own.contains(&piece) || self.strips.waits(piece) {
                     sums.fill(Pull::ZERO);
-                } else if let Some(columns) = bodies.take(piece) {
+                } else if let Some((columns, moved)) = bodies.take(piece) {
                     let piece = Piece {
                         integrator: self.integrator,
                         kick: Some(self.kick),
@@ -224,7 +229,9 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                         run: Run::of(begin, columns),
                         sums,
                     };
-                    into.moved_far |= on_records(self.level, piece).1;
+                    let (_, farthest) = on_records(self.level, piece);
+                    into.moved_far |= farthest.too_far;
+                    moved[0] = moved[0].max(farthest.square);
                 }
                 piece += 1;
                 if !into.deep {

@@ -104,6 +104,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.scratch.kept = Kept::All;
         self.scratch.strips.forget();
+        self.scratch.near_order.forget();
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;
         self.ledger_wanted = snapshot.ledger_wanted;

@@ -15,6 +15,7 @@ use crate::integrate::{Integrator, VelocityVerlet};
 use crate::material::{Material, MaterialId};
 use crate::neighbour::Period;
 use crate::neighbour::cell_list::CellList;
+use crate::neighbour::near_order::{Moved, NearOrder};
 use crate::neighbour::verlet_list::{Found, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::{Bodies, ParticleId, Record};
@@ -146,6 +147,9 @@ pub(crate) struct Scratch {
     pub(crate) cells: CellList,
     pub(crate) found: Vec<Vec<Found>>,
     pub(crate) old_pairs: PairList,
+    pub(crate) near_order: NearOrder,
+    /// Displacements since the list was made.
+    pub(crate) moved: Moved,
     pub(crate) old_walls: WallList,
     pub(crate) order: Vec<u32>,
     pub(crate) old_sphere_place: Vec<u32>,

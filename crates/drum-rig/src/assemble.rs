@@ -124,12 +124,12 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Gap up to which the list holds pairs, m: so that a list serves some twenty steps at the speed
+    /// Gap up to which the list holds pairs, m: so that a list serves some forty steps at the speed
     /// of a falling bed, within what was found to be fastest (0.4 to 0.9 of a radius).
     fn skin(&self, dt: f64) -> f64 {
         let radius = self.grains.equivalent_radius();
         let fall = (crate::GRAVITY * self.built.radius).sqrt();
-        let skin = (20.0 * dt * fall).clamp(0.4 * radius, 0.9 * radius);
+        let skin = (45.0 * dt * fall).clamp(0.4 * radius, 0.9 * radius);
         if self.built.ends == Ends::Periodic {
             // Each pair has one image in reach.
             let room = 0.5 * self.built.length - 2.0 * self.grains.largest_bounding_radius();

@@ -105,7 +105,7 @@ impl Code {
     /// Skins that are tried, m: the gap up to which the list holds pairs.
     pub(crate) fn skins(self) -> [f64; 5] {
         match self {
-            Self::Tumble | Self::TumbleNoRolling => [0.3e-3, 0.5e-3, 0.8e-3, 1.2e-3, 1.8e-3],
+            Self::Tumble | Self::TumbleNoRolling => [0.8e-3, 1.3e-3, 2.0e-3, 2.8e-3, 3.6e-3],
             _ => [0.6e-3, 1.0e-3, 1.6e-3, 2.4e-3, 3.4e-3],
         }
     }

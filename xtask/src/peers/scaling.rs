@@ -40,7 +40,7 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
         scenes.push((scene, data, steps));
     }
     // Gap of the list: as in the AZ1 drum, where the side-by-side runs tune it.
-    let skin = Code::Tumble.skins()[2];
+    let skin = Code::Tumble.skins()[3];
     let mut runs: Vec<Vec<_>> = scenes.iter().map(|_| Vec::new()).collect();
     for round in 0..options.repeats {
         for ((scene, data, steps), runs) in scenes.iter().zip(&mut runs) {

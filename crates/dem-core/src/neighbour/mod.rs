@@ -4,6 +4,7 @@
 //! of its spheres in memory, so that what a contact remembers never has to be turned round.
 
 pub(crate) mod cell_list;
+pub(crate) mod near_order;
 pub(crate) mod verlet_list;
 pub(crate) mod wall_list;
 

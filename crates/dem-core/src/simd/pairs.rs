@@ -171,6 +171,17 @@ impl PairKernel<'_> {
     /// Every place is that of a sphere.
     #[inline(always)]
     pub(super) unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
+        // SAFETY: by the caller.
+        let (d2, sum) = unsafe { self.apart::<V>(first, second) };
+        d2.less(sum * sum)
+    }
+
+    /// Squares of the distances of centres, and sums of radii.
+    ///
+    /// # Safety
+    /// Every place is that of a sphere.
+    #[inline(always)]
+    unsafe fn apart<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> (V, V) {
         let radius = self.one_size.map(|s| s[0]);
         let (second, first) = ([fours(second)], [fours(first)]);
         // SAFETY: by the caller.
@@ -179,8 +190,55 @@ impl PairKernel<'_> {
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
-        let sum = ri + rj;
-        d.dot(d).less(sum * sum)
+        (d.dot(d), ri + rj)
+    }
+
+    /// Gaps of pairs, m, block by block.
+    pub(crate) fn gaps(
+        &self,
+        level: Level,
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+        gaps: &mut [[f64; 8]],
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
+            unsafe fn avx512(k: &PairKernel<'_>, of: [&[[u32; 8]]; 2], gaps: &mut [[f64; 8]]) {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.gap_each::<super::avx::Wide>(of, gaps) }
+            }
+            #[target_feature(enable = "avx2,popcnt")]
+            unsafe fn avx2(k: &PairKernel<'_>, of: [&[[u32; 8]]; 2], gaps: &mut [[f64; 8]]) {
+                // SAFETY: the lists hold places of spheres.
+                unsafe { k.gap_each::<super::avx::Pair>(of, gaps) }
+            }
+            // SAFETY: `level` comes from `Level::detect`, which asked the processor.
+            match level {
+                Level::Avx512 => return unsafe { avx512(self, [first, second], gaps) },
+                Level::Avx2 => return unsafe { avx2(self, [first, second], gaps) },
+                Level::Portable => {}
+            }
+        }
+        let _ = level;
+        let position = self.spheres.position;
+        let pairs = first.as_flattened().iter().zip(second.as_flattened());
+        for ((a, b), gap) in pairs.zip(gaps.as_flattened_mut()) {
+            let (a, b) = (&position[*a as usize], &position[*b as usize]);
+            let d = crate::neighbour::Period::shortest(self.period, b.vector() - a.vector());
+            *gap = d.length() - (a.w + b.w);
+        }
+    }
+
+    /// # Safety
+    /// Every place is that of a sphere.
+    #[inline(always)]
+    unsafe fn gap_each<V: Lanes>(&self, [first, second]: [&[[u32; 8]]; 2], gaps: &mut [[f64; 8]]) {
+        for ((first, second), gap) in first.iter().zip(second).zip(gaps) {
+            // SAFETY: by the caller.
+            let (d2, sum) = unsafe { self.apart::<V>(first, second) };
+            (d2.sqrt() - sum).store(gap);
+        }
     }
 
     /// Compute blocks of the pairs that act, from `done` pairs on, by the usual laws or by `MORE`, as long as there

@@ -45,6 +45,25 @@ fn the_turning_frame_and_the_laboratory_frame_find_the_same_contacts() {
 }
 
 #[test]
+fn near_pairs_that_are_passed_over_change_no_bit() {
+    // Who has been restored knows of no displacement and looks at all near pairs until the next list.
+    for (ratio, skin) in [(1.0, 1e-3), (1.6, 2e-3)] {
+        let world = || drum(400, ratio, 1).skin(skin).build().unwrap();
+        let (mut sparing, mut state) = (world(), world().snapshot());
+        for _ in 0..50 {
+            sparing.run(60).unwrap();
+            let mut looking = world();
+            looking.restore(&state).unwrap();
+            looking.run(60).unwrap();
+            assert_eq!(sparing.state_hash(), looking.state_hash());
+            state = looking.snapshot();
+        }
+        let (contacts, lists) = (sparing.contact_count(), sparing.list_builds());
+        assert!(contacts > 50 && lists > 5, "{contacts}, {lists}");
+    }
+}
+
+#[test]
 fn cohesive_contacts_and_their_friction_survive_rebuilds() {
     // A sticky pair rides on a belt of rebuilds that a third, fast particle forces.
     let run = |with_runner: bool| {
