@@ -38,7 +38,7 @@ const DEVIATION: [(&str, &str); 2] = [
 ];
 
 /// The printed diameter, 250 mm, as that of the tube's outside, its wall 5 mm.
-const TUBE: (&str, &str) = ("radius_m = 0.125\n", "radius_m = 0.120\n");
+pub(super) const TUBE: (&str, &str) = ("radius_m = 0.125\n", "radius_m = 0.120\n");
 
 /// Which settings of a configuration are simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use close_loop::campaign::{Laboratory, Run, Sampling};
 use close_loop::rig_schema::{Response, Rig};
 
-use super::campaigns::EDEM_LAWS;
+use super::campaigns::{EDEM_LAWS, TUBE};
 use super::fixture;
 
 /// A drum that is changed.
@@ -40,6 +40,15 @@ const fn constant(name: &'static str, set: &'static [(&'static str, f64)]) -> Va
     Variant { group: "constants", name, lines: &[], set, fillings: 1 }
 }
 
+/// The printed diameter as that of the tube's outside.
+const NARROWER: Variant = Variant {
+    group: "constants",
+    name: "240 mm inside instead of 250 mm",
+    lines: &[TUBE],
+    set: &[],
+    fillings: 2,
+};
+
 static DRUMS: [Drum; 2] = [
     Drum {
         title: "AZ1 at 17 rpm (run N14 of Table 8), by our laws",
@@ -60,7 +69,7 @@ static DRUMS: [Drum; 2] = [
 ];
 
 /// What could make a bed at 30 rpm more S-shaped.
-static CASCADING: [Variant; 9] = [
+static CASCADING: [Variant; 10] = [
     Variant { group: "as it is", name: "", lines: &[], set: &[], fillings: 2 },
     law(
         "our laws",
@@ -88,9 +97,10 @@ static CASCADING: [Variant; 9] = [
     ),
     constant("a tenth more speed", &[("speed.scale", 1.1)]),
     constant("a twentieth more beads", &[("fill.scale", 1.05)]),
+    NARROWER,
 ];
 
-static VARIANTS: [Variant; 13] = [
+static VARIANTS: [Variant; 14] = [
     Variant { group: "end plates", name: "turning", lines: &[], set: &[], fillings: 2 },
     Variant {
         group: "end plates",
@@ -141,6 +151,7 @@ static VARIANTS: [Variant; 13] = [
         "camera at 8 m instead of 0.8 m",
         &[("camera.distance_m", 8.0), ("camera.focal_length_mm", 350.0)],
     ),
+    NARROWER,
 ];
 
 struct Row {
