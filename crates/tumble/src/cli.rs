@@ -88,6 +88,9 @@ pub(crate) struct SimulateArgs {
     /// Seed, instead of the file's.
     #[arg(long)]
     pub(crate) seed: Option<u64>,
+    /// Take the parameters that `tumble close-loop` (closed_loop.json) or `tumble calibrate` (result.json) has found.
+    #[arg(long, value_name = "JSON")]
+    pub(crate) calibrated: Option<PathBuf>,
     /// `PATH=VALUE`: set a parameter, for instance friction.pp=0.3.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = path_value)]
     pub(crate) settings: Vec<(String, f64)>,

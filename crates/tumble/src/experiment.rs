@@ -9,6 +9,8 @@ use crate::input::{self, InputError};
 
 /// What the command line changes in a rig.
 pub(crate) struct Changes<'a> {
+    /// A result whose parameters the rig takes before the settings.
+    pub(crate) calibrated: Option<&'a Path>,
     pub(crate) settings: &'a [(String, f64)],
     pub(crate) speeds: &'a [f64],
     pub(crate) frames: Option<u32>,
@@ -35,7 +37,8 @@ pub(crate) fn rig(name: &str, changes: &Changes<'_>) -> anyhow::Result<(Rig, Str
     } else {
         Rig::parse(&text.name, &text.text)?
     };
-    for (path, value) in changes.settings {
+    let calibrated = changes.calibrated.map(crate::calibrated::settings).transpose()?;
+    for (path, value) in calibrated.iter().flatten().chain(changes.settings) {
         rig.settings.set(path, *value).map_err(|refused| InputError::Setting {
             path: path.clone(),
             value: *value,

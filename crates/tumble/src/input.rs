@@ -24,6 +24,11 @@ pub(crate) enum InputError {
     /// A setting on the command line.
     #[error("`{path}` = {value}: expected {expected}")]
     Setting { path: String, value: f64, expected: String },
+    /// A file that holds no calibrated parameters.
+    #[error(
+        "{path} holds no calibrated parameters; expected result.json of `tumble calibrate` for one case or closed_loop.json of `tumble close-loop`"
+    )]
+    NotCalibrated { path: String },
     /// Something that a table of simulated responses cannot answer.
     #[error("{what} needs simulations; expected a case with [simulator.rig]")]
     NeedsRig { what: &'static str },

@@ -1,6 +1,7 @@
 //! Command line of Tumble: parses, composes, shows progress, writes tables, pictures and reports.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
+mod calibrated;
 mod cli;
 mod command;
 mod experiment;

@@ -14,6 +14,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<()> {
         OtherCode::Yade => Code::Yade,
     };
     let changes = Changes {
+        calibrated: args.calibrated.as_deref(),
         settings: &args.settings,
         speeds: &args.speeds,
         frames: args.frames,

@@ -69,6 +69,7 @@ struct Plan {
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let changes = Changes {
+        calibrated: args.calibrated.as_deref(),
         settings: &args.settings,
         speeds: &args.speeds,
         frames: args.frames,

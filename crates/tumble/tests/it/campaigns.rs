@@ -242,6 +242,20 @@ fn a_deck_is_written_and_its_dumps_come_back_as_positions() {
     assert!(stdout(&done).contains("liggghts -in drum.lig"));
     let script = std::fs::read_to_string(folder.path().join("deck/drum.lig")).expect("the deck");
     assert_eq!(script.matches("write_dump").count(), 2);
+    // What a calibration has found, as if it were set.
+    let found = r#"{"friction": [{"omega_rpm": null, "mu_pp": 0.31}], "mu_wall": null}"#;
+    std::fs::write(folder.path().join("result.json"), found).expect("written");
+    let deck = |more: &[&str]| {
+        let done = call(&[&["--times", "0.4,0.5"], more].concat());
+        assert!(done.status.success(), "{}", stderr(&done));
+        std::fs::read_to_string(folder.path().join("deck/drum.lig")).expect("the deck")
+    };
+    let calibrated = deck(&["--calibrated", "result.json"]);
+    assert_eq!(calibrated, deck(&["--set", "friction.pp=0.31"]));
+    assert_ne!(calibrated, script);
+    let refused = call(&["--calibrated", "rig.toml"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("no calibrated parameters"), "{}", stderr(&refused));
     let dump = "ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff pp\n0 1\n0 1\n0 1\n\
                 ITEM: ATOMS id type x y z radius\n1 1 0.001 -0.015 0 0.00125\n";
     std::fs::write(folder.path().join("deck/frames_60rpm.dump"), dump).expect("written");
