@@ -81,8 +81,8 @@ pub(crate) fn all_contacts<M: ContactLaw>(
             let begin = near_begin + c * CHUNK;
             let chunk = NearPairs { first: &first[begin..], second: &second[begin..], active };
             let memory = MemoryRun { slots, numbers };
-            let looks = vector.and_then(|v| Some((v, order.looks(c, near, moved)?)));
-            near_pairs(context, looks, chunk, memory, &mut into[0]);
+            let looks = order.looks(c, near, moved);
+            near_pairs(context, vector, looks, chunk, memory, &mut into[0]);
         },
     };
     let (sphere, wall, nearest) = (&walls.sphere[..], &walls.wall[..], &s.mesh_nearest[..]);
@@ -174,10 +174,12 @@ struct NearPairs<'a> {
     active: &'a mut [u8],
 }
 
-/// Compute the near pairs of a chunk that act: of all, or of those that need a look and those that acted before.
+/// Compute the near pairs of a chunk that touch now or acted before: the vector kernel tells which touch, of all or of those that
+/// need a look. Where nothing tells, all are computed.
 fn near_pairs<M: ContactLaw>(
     context: &Contacts<'_, M>,
-    looks: Option<((Level, &PairKernel<'_>), Looks<'_>)>,
+    vector: Option<(Level, &PairKernel<'_>)>,
+    looks: Option<Looks<'_>>,
     chunk: NearPairs<'_>,
     mut memory: MemoryRun<'_>,
     into: &mut ChunkYield,
@@ -190,43 +192,58 @@ fn near_pairs<M: ContactLaw>(
             into.late.push(Late { first: a, second: b, wrench });
         }
     };
-    let Some(((level, kernel), looks)) = looks else {
+    let Some((level, kernel)) = vector else {
         active.iter_mut().enumerate().for_each(|(k, active)| look(k, active));
         return;
     };
     // A bit a pair, so that pairs are computed in the order of the list.
-    let mut wanted = [0u64; CHUNK / 64];
-    for (bits, active) in wanted.iter_mut().zip(active.chunks(64)) {
-        let (blocks, rest) = active.as_chunks::<LANES>();
-        let acted = blocks.iter().enumerate().filter(|(_, marks)| **marks != [0; LANES]);
-        for (block, marks) in acted {
-            for (lane, _) in marks.iter().enumerate().filter(|(_, mark)| **mark != 0) {
-                *bits |= 1 << (block * LANES + lane);
+    let mut wanted = acted_before(active);
+    let mut touching = [u8::MAX; CHUNK / LANES];
+    if let Some(looks) = looks {
+        let touching = &mut touching[..looks.first.len()];
+        kernel.touch(level, looks.first, looks.second, touching);
+        for (touching, index) in touching.iter().zip(looks.index) {
+            let mut left = *touching;
+            while left != 0 {
+                let pair = index[left.trailing_zeros() as usize];
+                wanted[usize::from(pair / 64)] |= 1 << (pair % 64);
+                left &= left - 1;
             }
         }
-        for (k, _) in rest.iter().enumerate().filter(|(_, mark)| **mark != 0) {
-            *bits |= 1 << (blocks.len() * LANES + k);
-        }
-    }
-    let mut touching = [0; CHUNK / LANES];
-    let touching = &mut touching[..looks.first.len()];
-    kernel.touch(level, looks.first, looks.second, touching);
-    for (touching, index) in touching.iter().zip(looks.index) {
-        let mut left = *touching;
-        while left != 0 {
-            let pair = index[left.trailing_zeros() as usize];
-            wanted[usize::from(pair / 64)] |= 1 << (pair % 64);
-            left &= left - 1;
+    } else {
+        let (first, second) = (first.as_chunks().0, second.as_chunks().0);
+        let whole = (active.len() / LANES).min(first.len());
+        kernel.touch(level, first, second, &mut touching[..whole]);
+        for (bits, eight) in wanted.iter_mut().zip(touching.as_chunks::<8>().0) {
+            *bits |= u64::from_le_bytes(*eight);
         }
     }
     for (word, bits) in wanted.into_iter().enumerate() {
         let mut left = bits;
         while left != 0 {
             let k = 64 * word + left.trailing_zeros() as usize;
-            look(k, &mut active[k]);
+            // Behind the last pair of the list nothing is.
+            let Some(active) = active.get_mut(k) else { break };
+            look(k, active);
             left &= left - 1;
         }
     }
+}
+
+/// A bit for each pair that is marked.
+fn acted_before(active: &[u8]) -> [u64; CHUNK / 64] {
+    let mut bits = [0; CHUNK / 64];
+    for (bits, active) in bits.iter_mut().zip(active.chunks(64)) {
+        for (block, marks) in active.chunks(LANES).enumerate() {
+            if marks.first_chunk::<LANES>() == Some(&[0; LANES]) {
+                continue;
+            }
+            for (lane, _) in marks.iter().enumerate().filter(|(_, mark)| **mark != 0) {
+                *bits |= 1 << (block * LANES + lane);
+            }
+        }
+    }
+    bits
 }
 
 /// Find the nearest points of meshes.
