@@ -1,7 +1,7 @@
 //! The camera and the reader of one rig.
 
 use drum_film::image::RgbImage;
-use drum_film::{Film, Studio};
+use drum_film::{Drum, Film, Scene, Studio};
 use drum_rig::{Options, Sampled};
 use drum_vision::config::Definition;
 use drum_vision::series::{SeriesReport, summarise};
@@ -58,9 +58,8 @@ impl Observatory {
     /// # Errors
     /// A parameter that camera or reader refuses, a camera that does not see the drum.
     pub fn new(rig: &Rig, resolution: Resolution) -> Result<Self, CampaignError> {
-        let mut film = Film::default();
-        film.scene.drum.radius_m = rig.drum.radius_m;
-        film.scene.drum.length_m = rig.drum.length_m;
+        let drum = Drum { radius_m: rig.drum.radius_m, length_m: rig.drum.length_m };
+        let mut film = Film { scene: Scene::about(drum), ..Film::default() };
         film.camera = film.camera.with_size(resolution.width_px, resolution.width_px * 2 / 3);
         let mut vision = VisionConfig::default();
         for p in namespace::iter() {

@@ -178,6 +178,30 @@ pub struct Scene {
     pub background: Color,
 }
 
+impl Scene {
+    /// The usual scene about a drum of another size.
+    ///
+    /// Hub and nut keep their share of the radius, a tenth, which lies within what readers of pictures leave out: a hub of one size would
+    /// hide the bed of a small drum. Ring and plate stay as they are.
+    ///
+    /// ```
+    /// use drum_film::{Drum, Scene};
+    ///
+    /// let small = Scene::about(Drum { radius_m: 0.05, ..Drum::default() });
+    /// assert!((small.hub.radius_m - 0.0052).abs() < 1e-12);
+    /// ```
+    pub fn about(drum: Drum) -> Self {
+        let usual = Self::default();
+        let share = drum.radius_m / usual.drum.radius_m;
+        let hub = Hub {
+            radius_m: share * usual.hub.radius_m,
+            nut_radius_m: share * usual.hub.nut_radius_m,
+            ..usual.hub
+        };
+        Self { drum, hub, ..usual }
+    }
+}
+
 impl Default for Scene {
     fn default() -> Self {
         Self {

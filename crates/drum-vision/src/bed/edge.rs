@@ -282,7 +282,7 @@ fn lines_across(
         }
         let v = centre.value(u);
         let r = u.hypot(v);
-        if r > rim || (prepared.hub_px > 0.0 && r < prepared.hub_px + 2.0) {
+        if r > rim || (prepared.hub_px > 0.0 && r < prepared.hub_px + 0.0075 * radius) {
             continue;
         }
         let mut glare = false;

@@ -1,7 +1,7 @@
 //! `tumble film`: positions of any code as pictures.
 
 use drum_film::glam::DVec3;
-use drum_film::{Film, Frames, Sphere, contact_sheet};
+use drum_film::{Drum, Film, Frames, Scene, Sphere, contact_sheet};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::FilmArgs;
@@ -13,9 +13,8 @@ const PREVIEW: usize = 6;
 
 pub(crate) fn run(args: &FilmArgs) -> anyhow::Result<()> {
     let path = args.positions.display().to_string();
-    let mut film = Film::default();
-    film.scene.drum.radius_m = args.drum_radius;
-    film.scene.drum.length_m = args.drum_length;
+    let drum = Drum { radius_m: args.drum_radius, length_m: args.drum_length };
+    let mut film = Film { scene: Scene::about(drum), ..Film::default() };
     film.camera = film.camera.with_size(args.width, args.width * 2 / 3);
     for (parameter, value) in &args.settings {
         film.set(parameter, *value)?;
