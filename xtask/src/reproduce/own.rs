@@ -38,8 +38,8 @@ pub(super) struct Calibrated {
     basis: String,
     /// Friction between beads and of the mantle: value and 95 % interval (open where the range ends first).
     frictions: Vec<(String, f64, Option<f64>, Option<f64>)>,
-    pub(super) chi2: f64,
-    pub(super) dof: usize,
+    chi2: f64,
+    dof: usize,
     /// Root mean squares of the residuals, deg, deg, % R, % R.
     rmse: [f64; 4],
     /// Nuisances at the best fit, and how far from their priors, in standard deviations.
@@ -127,7 +127,7 @@ pub(super) fn basis(case: &Case) -> String {
 
 impl Calibrated {
     /// A friction with its interval.
-    pub(super) fn friction(&self, path: &str) -> String {
+    fn friction(&self, path: &str) -> String {
         match self.frictions.iter().find(|f| f.0 == path) {
             Some((_, v, lo, hi)) => {
                 format!("{v:.2} ({} to {})", markdown::open(*lo), markdown::open(*hi))
@@ -136,8 +136,14 @@ impl Calibrated {
         }
     }
 
+    /// Cells of a table: chi-square, root mean squares, both frictions.
+    pub(super) fn cells(&self) -> String {
+        let [pp, mantle] = ["friction.pp", "friction.mantle"].map(|path| self.friction(path));
+        format!("{:.0} ({}) | {} | {pp} | {mantle}", self.chi2, self.dof, self.rmse())
+    }
+
     /// The four root mean squares.
-    pub(super) fn rmse(&self) -> String {
+    fn rmse(&self) -> String {
         self.rmse.map(|v| format!("{v:.2}")).join(", ")
     }
 }

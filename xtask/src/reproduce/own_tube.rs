@@ -32,15 +32,7 @@ pub(super) fn section() -> anyhow::Result<String> {
             });
             let (case, study) = own_study_of(name, TABLE_8_WALL, simulated)?;
             let c = calibrated(name, "Tumble", basis(&case), &study)?;
-            let _ = writeln!(
-                s,
-                "| {diameter} | {name} | {:.0} ({}) | {} | {} | {} |",
-                c.chi2,
-                c.dof,
-                c.rmse(),
-                c.friction("friction.pp"),
-                c.friction("friction.mantle")
-            );
+            let _ = writeln!(s, "| {diameter} | {name} | {} |", c.cells());
             studies.push(study);
         }
         markdown::material(&mut ties, &Material::of(title, &studies)?);

@@ -12,6 +12,7 @@ mod blocks;
 mod clumps;
 mod hertz_mindlin;
 mod lanes;
+mod near;
 mod pairs;
 mod wall;
 

@@ -4,7 +4,7 @@
 use super::acting::{Acting, Room};
 use super::blocks::{Blocks, MOST, Two};
 use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
-use super::lanes::{Lanes, V3, fours};
+use super::lanes::V3;
 use super::{Constants, Level};
 use crate::forces::ChunkYield;
 use crate::list::lowest_bits;
@@ -124,121 +124,6 @@ impl PairKernel<'_> {
             }
         }
         let _ = level;
-    }
-
-    /// Bits of the near pairs that touch now, block by block; all of them where nothing tells.
-    pub(crate) fn touch(
-        &self,
-        level: Level,
-        first: &[[u32; 8]],
-        second: &[[u32; 8]],
-        bits: &mut [u8],
-    ) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
-            unsafe fn avx512(k: &PairKernel<'_>, pairs: [&[[u32; 8]]; 2], bits: &mut [u8]) {
-                // SAFETY: the lists hold places of spheres.
-                unsafe { k.near_each::<super::avx::Wide>(pairs, bits) }
-            }
-            #[target_feature(enable = "avx2,popcnt")]
-            unsafe fn avx2(k: &PairKernel<'_>, pairs: [&[[u32; 8]]; 2], bits: &mut [u8]) {
-                // SAFETY: the lists hold places of spheres.
-                unsafe { k.near_each::<super::avx::Pair>(pairs, bits) }
-            }
-            // SAFETY: `level` comes from `Level::detect`, which asked the processor.
-            match level {
-                Level::Avx512 => return unsafe { avx512(self, [first, second], bits) },
-                Level::Avx2 => return unsafe { avx2(self, [first, second], bits) },
-                Level::Portable => {}
-            }
-        }
-        let _ = (level, first, second);
-        bits.fill(u8::MAX);
-    }
-
-    /// # Safety
-    /// Every place is that of a sphere.
-    #[inline(always)]
-    unsafe fn near_each<V: Lanes>(&self, [first, second]: [&[[u32; 8]]; 2], bits: &mut [u8]) {
-        for ((first, second), bits) in first.iter().zip(second).zip(bits) {
-            // SAFETY: by the caller.
-            *bits = unsafe { self.near::<V>(first, second) };
-        }
-    }
-
-    /// # Safety
-    /// Every place is that of a sphere.
-    #[inline(always)]
-    pub(super) unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
-        // SAFETY: by the caller.
-        let (d2, sum) = unsafe { self.apart::<V>(first, second) };
-        d2.less(sum * sum)
-    }
-
-    /// Squares of the distances of centres, and sums of radii.
-    ///
-    /// # Safety
-    /// Every place is that of a sphere.
-    #[inline(always)]
-    unsafe fn apart<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> (V, V) {
-        let radius = self.one_size.map(|s| s[0]);
-        let (second, first) = ([fours(second)], [fours(first)]);
-        // SAFETY: by the caller.
-        let (mut d, [rj, ri]) =
-            unsafe { difference::<V>(self.spheres.position, &second, &first, radius) };
-        if let Some(p) = self.period {
-            d = d.shortest(p);
-        }
-        (d.dot(d), ri + rj)
-    }
-
-    /// Gaps of pairs, m, block by block.
-    pub(crate) fn gaps(
-        &self,
-        level: Level,
-        first: &[[u32; 8]],
-        second: &[[u32; 8]],
-        gaps: &mut [[f64; 8]],
-    ) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
-            unsafe fn avx512(k: &PairKernel<'_>, of: [&[[u32; 8]]; 2], gaps: &mut [[f64; 8]]) {
-                // SAFETY: the lists hold places of spheres.
-                unsafe { k.gap_each::<super::avx::Wide>(of, gaps) }
-            }
-            #[target_feature(enable = "avx2,popcnt")]
-            unsafe fn avx2(k: &PairKernel<'_>, of: [&[[u32; 8]]; 2], gaps: &mut [[f64; 8]]) {
-                // SAFETY: the lists hold places of spheres.
-                unsafe { k.gap_each::<super::avx::Pair>(of, gaps) }
-            }
-            // SAFETY: `level` comes from `Level::detect`, which asked the processor.
-            match level {
-                Level::Avx512 => return unsafe { avx512(self, [first, second], gaps) },
-                Level::Avx2 => return unsafe { avx2(self, [first, second], gaps) },
-                Level::Portable => {}
-            }
-        }
-        let _ = level;
-        let position = self.spheres.position;
-        let pairs = first.as_flattened().iter().zip(second.as_flattened());
-        for ((a, b), gap) in pairs.zip(gaps.as_flattened_mut()) {
-            let (a, b) = (&position[*a as usize], &position[*b as usize]);
-            let d = crate::neighbour::Period::shortest(self.period, b.vector() - a.vector());
-            *gap = d.length() - (a.w + b.w);
-        }
-    }
-
-    /// # Safety
-    /// Every place is that of a sphere.
-    #[inline(always)]
-    unsafe fn gap_each<V: Lanes>(&self, [first, second]: [&[[u32; 8]]; 2], gaps: &mut [[f64; 8]]) {
-        for ((first, second), gap) in first.iter().zip(second).zip(gaps) {
-            // SAFETY: by the caller.
-            let (d2, sum) = unsafe { self.apart::<V>(first, second) };
-            (d2.sqrt() - sum).store(gap);
-        }
     }
 
     /// Compute blocks of the pairs that act, from `done` pairs on, by the usual laws or by `MORE`, as long as there
@@ -441,7 +326,7 @@ pub(super) unsafe fn on_clump<V: Blocks>(
 /// # Safety
 /// Four numbers of `records` begin at every place.
 #[inline(always)]
-unsafe fn difference<V: Blocks>(
+pub(super) unsafe fn difference<V: Blocks>(
     records: View<'_, Record>,
     of: &[[u32; 8]],
     less: &[[u32; 8]],
