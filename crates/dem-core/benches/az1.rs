@@ -2,7 +2,7 @@
 //!
 //! 7807 beads of 6 mm in a drum of 250 x 150 mm at 17 rpm, time step 70 us; Hertz, Mindlin with
 //! history, damping, constant rolling torque. Arguments: threads, steps, skin in mm, beads,
-//! settling steps; the word `fast` anywhere for fast roots.
+//! settling steps; the word `fused` or `roots` anywhere for those kernels.
 #![expect(clippy::print_stdout, reason = "a bench reports by printing")]
 
 use std::time::Instant;
@@ -53,8 +53,12 @@ fn main() {
     let (bead, wall) = (b.material(material), b.material(material));
     b.pair_law(bead, bead, law(&material, 0.5)).pair_law(bead, wall, law(&material, 0.6));
     b.gravity(DVec3::NEG_Y * 9.81).threads(threads).skin(skin);
-    let fast = std::env::args().any(|a| a == "fast");
-    b.kernels(if fast { Kernels::FastRoots } else { Kernels::Fastest });
+    let asked = |word: &str| std::env::args().any(|a| a == word);
+    b.kernels(match (asked("fused"), asked("roots")) {
+        (_, true) => Kernels::FastRoots,
+        (true, false) => Kernels::Fused,
+        _ => Kernels::Fastest,
+    });
     b.domain(DVec3::new(-0.2, -0.2, -0.01), DVec3::new(0.2, 0.2, length + 0.01));
     let turning = Motion::rotating(DVec3::ZERO, DVec3::Z, 17.0 * std::f64::consts::TAU / 60.0);
     let drum = b.wall(Wall::drum(DVec3::ZERO, DVec3::Z, radius, wall).with_motion(turning));

@@ -140,7 +140,8 @@ fn stages(c: &mut Criterion) {
         ("portable", Kernels::Portable),
         ("avx2", Kernels::Avx2),
         ("exact", Kernels::Fastest),
-        ("fast", Kernels::FastRoots),
+        ("fused", Kernels::Fused),
+        ("roots", Kernels::FastRoots),
     ] {
         bench(c, "kernel", name, &Scene { kernels, ..Scene::default() }, 20);
     }

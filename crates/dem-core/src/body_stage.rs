@@ -11,7 +11,7 @@ use crate::energy::Flow;
 use crate::integrate::Integrator;
 use crate::list::Turn;
 use crate::particles::{Bodies, Record};
-use crate::simd::{Quad, RecordWork, on_records};
+use crate::simd::{Quad, Quads, RecordWork, on_records};
 use crate::sums::{Collect, PIECE, Pull};
 use crate::threads::{Chunks, cut};
 use crate::world::{BodyYield, Make, Members, World};
@@ -110,8 +110,15 @@ impl<M, I: Integrator> RecordWork for Piece<'_, M, I> {
     type Yield = (Flow, Farthest);
 
     #[inline(always)]
-    fn run<Q: Quad>(mut self) -> (Flow, Farthest) {
+    fn run<Q: Quad, W: Quads>(mut self) -> (Flow, Farthest) {
         let mut flow = Flow::default();
+        if let (true, Some(kick), Some(drift)) = (I::FROM_MEAN, self.kick, self.drift)
+            && kick.moves_spheres_on()
+        {
+            let farthest =
+                kick.and_drift::<Q, W, I>(drift, &self.integrator, &mut self.run, self.sums, &mut flow);
+            return (flow, farthest);
+        }
         if let Some(kick) = self.kick {
             kick.bodies::<Q, I>(&self.integrator, &mut self.run, self.sums, &mut flow);
         }
@@ -185,6 +192,18 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
+impl<M: ContactLaw, I: Integrator> World<M, I> {
+    /// Accelerations of the last step, where they were not kept, to rounding.
+    pub(crate) fn recall_accelerations(&mut self) {
+        if I::FROM_MEAN && self.make.shapes.is_empty() {
+            let dt = self.make.dt;
+            let count = self.state.bodies.id.len().div_ceil(CHUNK);
+            let columns = cut_bodies(&mut self.state.bodies, CHUNK);
+            self.team.each(count, columns, |_, columns| Run::of(0, columns).recall_accelerations(dt));
+        }
+    }
+}
+
 impl<M> Kick<'_, M> {
     /// Collect forces and bring the velocities to the end of the step.
     ///
@@ -231,14 +250,14 @@ impl<M> Kick<'_, M> {
                 continue;
             }
             let mut memory = recall::<Q, I>(run.linear, k);
-            let velocity = Q::load(&run.velocity[k]);
-            let v = integrator.kick(velocity, old, new, &mut memory, dt);
+            let (velocity, mean) = (Q::load(&run.velocity[k]), Q::load(&run.mean_velocity[k]));
+            let v = integrator.kick(velocity, mean, old, new, &mut memory, dt);
             v.with_scalar_of(velocity).store(&mut run.velocity[k]);
             remember::<Q, I>(run.linear, k, memory);
             if moment > 0.0 {
                 let mut memory = recall::<Q, I>(run.turn, k);
-                let spin = Q::load(&run.spin[k]);
-                let w = integrator.kick(spin, old_turn, new_turn, &mut memory, dt);
+                let (spin, mean) = (Q::load(&run.spin[k]), Q::load(&run.mean_spin[k]));
+                let w = integrator.kick(spin, mean, old_turn, new_turn, &mut memory, dt);
                 w.with_scalar_of(spin).store(&mut run.spin[k]);
                 remember::<Q, I>(run.turn, k, memory);
             } else {
@@ -250,6 +269,98 @@ impl<M> Kick<'_, M> {
     }
 }
 
+impl<M> Kick<'_, M> {
+    /// Whether nobody reads the accelerations: where all bodies are spheres and no energies are booked.
+    fn moves_spheres_on(&self) -> bool {
+        self.make.shapes.is_empty() && !self.ledger && self.dt > 0.0
+    }
+
+    /// [`Kick::bodies`] and [`Drift::bodies`] at once for schemes that need nothing of the first half but mean velocities:
+    /// two of ten records a body are left alone, a quarter of what goes through the cache. What the accelerations
+    /// are follows from what is kept ([`Run::recall_accelerations`]).
+    #[inline(always)]
+    fn and_drift<Q: Quad, W: Quads, I: Integrator>(
+        &self,
+        drift: &Drift<'_>,
+        integrator: &I,
+        run: &mut Run<'_>,
+        sums: &mut [Pull],
+        flow: &mut Flow,
+    ) -> Farthest {
+        let (begin, count) = (run.begin, run.position.len());
+        self.collect.spheres(begin, begin + count, sums);
+        if let Some(drag) = &self.make.drag {
+            for (k, sum) in sums.iter_mut().enumerate().take(count) {
+                let v = run.end_velocity[k].vector();
+                let resistance = drag.force(run.velocity[k].w, run.position[k].w, v);
+                sum.force.add(resistance);
+                flow.drag -= resistance.dot(v);
+            }
+        }
+        let mut farthest = Farthest::default();
+        let whole = count - count % W::COUNT;
+        self.some_and_drift::<W, I>(drift, integrator, run, sums, 0..whole, &mut farthest);
+        self.some_and_drift::<Q, I>(drift, integrator, run, sums, whole..count, &mut farthest);
+        farthest
+    }
+
+    /// The same for some of them, as many at a time as `W` holds.
+    #[inline(always)]
+    fn some_and_drift<W: Quads, I: Integrator>(
+        &self,
+        drift: &Drift<'_>,
+        integrator: &I,
+        run: &mut Run<'_>,
+        sums: &mut [Pull],
+        bodies: std::ops::Range<usize>,
+        farthest: &mut Farthest,
+    ) {
+        let dt = self.dt;
+        let (gravity, none) = (W::alike(&Record::new(self.gravity, 0.0)), W::alike(&Record::ZERO));
+        let [x, y, z, shift] = drift.frame.columns();
+        let frame = [W::alike(&x), W::alike(&y), W::alike(&z), W::alike(&shift)];
+        let reference = &drift.reference[run.begin..run.begin + run.position.len()];
+        let run = run.even();
+        for k in bodies.step_by(W::COUNT) {
+            // The sums are zero again for whose turn comes next.
+            let [force, torque] = W::take(&mut sums[k..]);
+            let old = W::load_some(&run.velocity[k..]);
+            let mean = W::load_some(&run.mean_velocity[k..]);
+            let a = force.over_scalars_of(old) + gravity;
+            let v = integrator.kick(old, mean, none, a, &mut { none }, dt);
+            v.with_scalars_of(old).store_some(&mut run.velocity[k..]);
+            let d = integrator.drift(v, a, &mut { none }, dt);
+            d.mean_velocity.with_scalars_of(mean).store_some(&mut run.mean_velocity[k..]);
+            let end = W::load_some(&run.end_velocity[k..]);
+            d.end_velocity.with_scalars_of(end).store_some(&mut run.end_velocity[k..]);
+            let position = W::load_some(&run.position[k..]);
+            let position = (position + d.mean_velocity * dt).with_scalars_of(position);
+            position.store_some(&mut run.position[k..]);
+            let then = W::load_some(&reference[k..]).turned(&frame);
+            farthest.note((position - then).largest_square(), drift.limit);
+            let old = W::load_some(&run.spin[k..]);
+            let mean = W::load_some(&run.mean_spin[k..]);
+            let a = torque.over_scalars_of(old);
+            let w = integrator.kick(old, mean, none, a, &mut { none }, dt);
+            w.with_scalars_of(old).store_some(&mut run.spin[k..]);
+            let d = integrator.drift(w, a, &mut { none }, dt);
+            d.mean_velocity.with_scalars_of(mean).store_some(&mut run.mean_spin[k..]);
+        }
+    }
+}
+
+impl Farthest {
+    /// Note the square of a displacement since the list was made.
+    #[inline(always)]
+    fn note(&mut self, square: f64, limit: f64) {
+        // Also if it is no number.
+        self.too_far |= !(square <= limit);
+        if square > self.square {
+            self.square = square;
+        }
+    }
+}
+
 impl Drift<'_> {
     /// Move on to the next step; returns how far they have moved then.
     #[inline(always)]
@@ -257,7 +368,7 @@ impl Drift<'_> {
         let dt = self.dt;
         let mut farthest = Farthest::default();
         let [x, y, z, shift] = &self.frame.columns();
-        let (x, y, z, shift) = (Q::load(x), Q::load(y), Q::load(z), Q::load(shift));
+        let frame = [Q::load(x), Q::load(y), Q::load(z), Q::load(shift)];
         let reference = &self.reference[run.begin..run.begin + run.position.len()];
         let run = run.even();
         for (k, r) in reference.iter().enumerate().take(run.position.len()) {
@@ -281,12 +392,7 @@ impl Drift<'_> {
                 let old = Q::load(&run.mean_spin[k]);
                 d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
             }
-            let moved = (position - (x * r.x + y * r.y + z * r.z + shift)).length_squared();
-            // Also if it is no number.
-            farthest.too_far |= !(moved <= self.limit);
-            if moved > farthest.square {
-                farthest.square = moved;
-            }
+            farthest.note((position - Q::load(r).turned(&frame)).length_squared(), self.limit);
         }
         farthest
     }
@@ -332,6 +438,19 @@ impl<'a> Run<'a> {
     pub(crate) fn undo_drift(&mut self, dt: f64) {
         for (x, v) in self.position.iter_mut().zip(&*self.mean_velocity) {
             x.add(v.vector() * -dt);
+        }
+    }
+
+    /// Accelerations that were not kept when spheres moved on, to rounding.
+    pub(crate) fn recall_accelerations(&mut self, dt: f64) {
+        let run = self.even();
+        for k in 0..run.position.len() {
+            let mean = run.mean_velocity[k].vector();
+            let a = (mean - run.velocity[k].vector()) * (2.0 / dt);
+            run.acceleration[k].set(a);
+            let mean = run.mean_spin[k].vector();
+            let a = (mean - run.spin[k].vector()) * (2.0 / dt);
+            run.angular[k].set(a);
         }
     }
 

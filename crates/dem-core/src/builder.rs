@@ -20,7 +20,7 @@ use crate::neighbour::Period;
 use crate::noncontact::NonContactForce;
 use crate::particles::{ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
-use crate::simd::Level;
+use crate::simd::{Arithmetic, Level};
 use crate::threads::Team;
 use crate::timestep::{hertz_time, rayleigh_time};
 use crate::world::{Make, SPHERE, Scratch, State, World};
@@ -40,14 +40,18 @@ pub enum Axis {
     Z,
 }
 
-/// Instructions that the contact kernels may use. All but [`Kernels::FastRoots`] give the same
-/// bits.
+/// Instructions that the contact kernels may use. All but [`Kernels::Fused`] and
+/// [`Kernels::FastRoots`] give the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kernels {
     /// The widest that the processor has.
     #[default]
     Fastest,
-    /// The widest, with reciprocal roots by table and two Newton steps where AVX-512 is there:
+    /// The widest, with products that are not rounded before they are added to something: closer to exact arithmetic, but
+    /// not the bits of the others. Runs are the same for any number of threads and with AVX-512 as with AVX2; where there is neither
+    /// they are those of [`Kernels::Portable`].
+    Fused,
+    /// The same, with reciprocal roots by table and two Newton steps where AVX-512 is there:
     /// about two units in the last place from exact, each. Runs are still the same for any number
     /// of threads, but not between processors with and without AVX-512.
     FastRoots,
@@ -331,7 +335,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         let level = match (self.kernels, Level::detect()) {
             (Kernels::Portable, _) | (_, Level::Portable) => Level::Portable,
             (Kernels::Avx2, _) => Level::Avx2,
-            (Kernels::Fastest | Kernels::FastRoots, level) => level,
+            (Kernels::Fastest | Kernels::Fused | Kernels::FastRoots, level) => level,
         };
         let known = level != Level::Portable && neck == 0.0 && self.gap_forces.is_empty();
         let fast = if known { crate::simd::constants(&laws) } else { None };
@@ -378,7 +382,13 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 fast,
                 one_material: one_material.map(|m| m as usize),
                 one_size,
-                fast_roots: self.kernels == Kernels::FastRoots && level == Level::Avx512,
+                arithmetic: match (self.kernels, level) {
+                    (Kernels::FastRoots, Level::Avx512) => Arithmetic::FastRoots,
+                    (Kernels::Fused | Kernels::FastRoots, Level::Avx2 | Level::Avx512) => {
+                        Arithmetic::Fused
+                    }
+                    _ => Arithmetic::Exact,
+                },
                 overlap_limit: self.overlap_limit,
                 turning_wall,
             },

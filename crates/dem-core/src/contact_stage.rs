@@ -41,7 +41,12 @@ pub(crate) fn all_contacts<M: ContactLaw>(
         v.resize(entries, Record::default());
     }
     s.pair_yield.resize_with(touching.div_ceil(CHUNK), Default::default);
-    s.near_yield.resize_with(near.div_ceil(CHUNK), Default::default);
+    let near_chunks = near.div_ceil(CHUNK);
+    if s.near_yield.len() < near_chunks {
+        // Never fewer, and some more, so that a list with a few pairs more asks for no memory.
+        s.near_yield.resize_with(near_chunks + near_chunks / 4 + 1, ChunkYield::with_room);
+    }
+    s.near_yield[near_chunks..].iter_mut().for_each(ChunkYield::reset);
     s.wall_yield.resize_with(entries.div_ceil(CHUNK), Default::default);
     place_on_meshes(context, make, walls, &mut s.mesh_nearest);
 
@@ -71,11 +76,11 @@ pub(crate) fn all_contacts<M: ContactLaw>(
         },
     };
     let near_stage = Stage {
-        count: near.div_ceil(CHUNK),
+        count: near_chunks,
         parts: (
             cut(near_active, CHUNK),
             cut(near_memory, CHUNK * slots),
-            cut(&mut s.near_yield, 1),
+            cut(&mut s.near_yield[..near_chunks], 1),
         ),
         work: |c, (active, numbers, into): (&mut [u8], &mut [f64], &mut [ChunkYield])| {
             let begin = near_begin + c * CHUNK;

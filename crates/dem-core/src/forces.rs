@@ -73,6 +73,11 @@ pub(crate) struct ChunkYield {
 }
 
 impl ChunkYield {
+    /// Room for what a chunk of near pairs usually yields.
+    pub(crate) fn with_room() -> Self {
+        Self { late: Vec::with_capacity(32), ..Self::default() }
+    }
+
     pub(crate) fn reset(&mut self) {
         self.flow = Flow::default();
         self.deep = None;

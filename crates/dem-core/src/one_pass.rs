@@ -172,7 +172,13 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let columns = cut_bodies(&mut bodies, PIECE);
             let moved: Vec<_> = strips.moved(&s.strip_yield).collect();
             let parts = chosen(columns, &moved);
-            self.team.each(moved.len(), parts, |_, columns| Run::of(0, columns).undo_drift(dt));
+            self.team.each(moved.len(), parts, |_, columns| {
+                let mut run = Run::of(0, columns);
+                run.undo_drift(dt);
+                if I::FROM_MEAN {
+                    run.recall_accelerations(dt);
+                }
+            });
             self.state.forces_stale = true;
         }
         for (to, kept) in s.wrenches.touching().into_iter().zip(kept) {

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::forces::Contacts;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
-use crate::simd::{Features, PairKernel};
+use crate::simd::{Arithmetic, Features, PairKernel};
 use crate::spheres::SphereView;
 use crate::world::{Make, World, sphere_view};
 
@@ -43,7 +43,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.state.step += 1;
         self.move_walls(dt);
         if moved_far || self.walls_moved_far() {
-            self.make_list()?;
+            let made = self.make_list();
+            if made.is_err() && drifted.is_some() {
+                self.recall_accelerations();
+            }
+            made?;
         }
         self.place_members();
         if more && self.goes_in_one_pass() {
@@ -196,8 +200,8 @@ pub(crate) fn kernel_of<'a, M>(
     dt: f64,
     ledger: bool,
 ) -> Option<PairKernel<'a>> {
-    // The portable kernel books energies and gives the same bits, unless roots are fast.
-    let all = make.fast.as_deref().filter(|_| !ledger || make.fast_roots)?;
+    // The portable kernel books energies and gives the bits of exact ones.
+    let all = make.fast.as_deref().filter(|_| !ledger || make.arithmetic != Arithmetic::Exact)?;
     let only = make.one_material.map(|m| m * make.materials.len() + m);
     Some(PairKernel {
         spheres,
@@ -209,7 +213,7 @@ pub(crate) fn kernel_of<'a, M>(
         period: make.period,
         dt,
         overlap_limit: make.overlap_limit,
-        fast_roots: make.fast_roots,
+        arithmetic: make.arithmetic,
         features: Features::of(all, spheres.clumps.is_some()),
     })
 }

@@ -112,8 +112,8 @@ pub(crate) struct Make<M> {
     pub(crate) one_material: Option<usize>,
     /// Radius and mass of all particles, if they are spheres alike.
     pub(crate) one_size: Option<[f64; 2]>,
-    /// Whether roots may be off in the last places.
-    pub(crate) fast_roots: bool,
+    /// How the vector kernels compute.
+    pub(crate) arithmetic: crate::simd::Arithmetic,
     pub(crate) overlap_limit: f64,
     /// Wall whose turn displacements may be measured against.
     pub(crate) turning_wall: Option<usize>,

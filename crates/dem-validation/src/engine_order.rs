@@ -24,9 +24,10 @@ fn error<I: Integrator>(
     let mut a = force(x);
     let mut memory = scheme.start(v, a, dt);
     for _ in 0..steps {
-        x += scheme.drift(v, a, &mut memory, dt).mean_velocity * dt;
+        let mean = scheme.drift(v, a, &mut memory, dt).mean_velocity;
+        x += mean * dt;
         let new = force(x);
-        v = scheme.kick(v, a, new, &mut memory, dt);
+        v = scheme.kick(v, mean, a, new, &mut memory, dt);
         a = new;
     }
     [(x - end.0).length(), (v - end.1).length()]

@@ -8,13 +8,15 @@ use anyhow::{Context, bail};
 
 use super::log::Told;
 use super::scene::{self, Bead, Scene};
-use super::{exchange, log, worker};
+use super::{Mode, exchange, log, worker};
 
 /// A code, as it is set up for the timing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Code {
     /// Tumble.
     Tumble,
+    /// Tumble with every operation rounded by itself.
+    TumbleExact,
     /// Tumble without rolling resistance: what codes that have none are held against.
     TumbleNoRolling,
     /// LAMMPS, `pair_style gran/hertz/history`.
@@ -43,8 +45,8 @@ pub(crate) struct Task<'a> {
     pub(crate) folder: &'a Path,
     pub(crate) warm: u64,
     pub(crate) steps: u64,
-    /// Tumble's fast roots.
-    pub(crate) fast: bool,
+    /// How Tumble computes.
+    pub(crate) mode: Mode,
 }
 
 /// One timed run.
@@ -59,8 +61,9 @@ pub(crate) struct Run {
 
 impl Code {
     /// Every code, Tumble first.
-    pub(crate) const ALL: [Self; 6] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Tumble,
+        Self::TumbleExact,
         Self::TumbleNoRolling,
         Self::LammpsHertzHistory,
         Self::LammpsGranular,
@@ -72,6 +75,7 @@ impl Code {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Tumble => "tumble",
+            Self::TumbleExact => "tumble_exact",
             Self::TumbleNoRolling => "tumble_no_rolling",
             Self::LammpsHertzHistory => "lammps_hertz_history",
             Self::LammpsGranular => "lammps_granular",
@@ -82,7 +86,7 @@ impl Code {
 
     fn deck(self) -> Option<&'static str> {
         match self {
-            Self::Tumble | Self::TumbleNoRolling => None,
+            Self::Tumble | Self::TumbleExact | Self::TumbleNoRolling => None,
             Self::LammpsHertzHistory => Some("lammps_hertz_history.lmp"),
             Self::LammpsGranular | Self::LammpsGranularNoRolling => Some("lammps_granular.lmp"),
             Self::Liggghts => Some("liggghts.lig"),
@@ -92,7 +96,9 @@ impl Code {
     /// Coefficient of rolling resistance.
     fn rolling(self) -> f64 {
         match self {
-            Self::Tumble | Self::LammpsGranular | Self::Liggghts => scene::ROLLING,
+            Self::Tumble | Self::TumbleExact | Self::LammpsGranular | Self::Liggghts => {
+                scene::ROLLING
+            }
             _ => 0.0,
         }
     }
@@ -105,7 +111,9 @@ impl Code {
     /// Skins that are tried, m: the gap up to which the list holds pairs.
     pub(crate) fn skins(self) -> [f64; 5] {
         match self {
-            Self::Tumble | Self::TumbleNoRolling => [0.8e-3, 1.3e-3, 2.0e-3, 2.8e-3, 3.6e-3],
+            Self::Tumble | Self::TumbleExact | Self::TumbleNoRolling => {
+                [0.8e-3, 1.3e-3, 2.0e-3, 2.8e-3, 3.6e-3]
+            }
             _ => [0.6e-3, 1.0e-3, 1.6e-3, 2.4e-3, 3.4e-3],
         }
     }
@@ -113,7 +121,7 @@ impl Code {
     /// Find the code, or say where it was looked for.
     pub(crate) fn find(self) -> Result<Installed, String> {
         let program = match self {
-            Self::Tumble | Self::TumbleNoRolling => {
+            Self::Tumble | Self::TumbleExact | Self::TumbleNoRolling => {
                 super::own_program().map_err(|e| format!("{e:#}"))?
             }
             Self::Liggghts => locate("TUMBLE_LIGGGHTS", "liggghts")?,
@@ -179,7 +187,8 @@ impl Installed {
         let mut command = Command::new(&self.program);
         match self.code.deck() {
             None => {
-                worker::arguments(&mut command, task, threads, skin, &dump);
+                let mode = if self.code == Code::TumbleExact { Mode::Exact } else { task.mode };
+                worker::arguments(&mut command, task, mode, threads, skin, &dump);
                 command.arg("--rolling").arg(self.code.rolling().to_string());
             }
             Some(deck) => self.deck_arguments(&mut command, deck, task, skin, &dump)?,
@@ -265,7 +274,7 @@ impl Started {
             bail!("{} failed ({status}): {}", self.code.name(), tail.join(" | "));
         }
         let told = match self.code {
-            Code::Tumble | Code::TumbleNoRolling => worker::read(&screen)?,
+            Code::Tumble | Code::TumbleExact | Code::TumbleNoRolling => worker::read(&screen)?,
             _ => log::read(&screen)?,
         };
         let busy = if processor > 0.0 { processor / wall } else { 1.0 };

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::Context;
 use clap::Args;
-use dem_core::prelude::DVec3;
+use dem_core::prelude::{DVec3, Kernels};
 use serde::{Deserialize, Serialize};
 
 use super::scene::{Bead, ROLLING, Scene};
@@ -56,7 +56,7 @@ pub(crate) fn run(w: &MemoryWorker) -> anyhow::Result<()> {
         let shift = DVec3::Z * (copy as f64 * w.length);
         beads.extend(bed.iter().map(|b| Bead { position: b.position + shift, ..*b }));
     }
-    let mut world = scene.world(&beads, 1, 0.8e-3, ROLLING, false)?;
+    let mut world = scene.world(&beads, 1, 0.8e-3, ROLLING, Kernels::Fastest)?;
     drop(beads);
     world.run(STEPS)?;
     let n = world.len() as f64;

@@ -23,6 +23,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
+use dem_core::prelude::Kernels;
 use scene::{Bead, Scene};
 
 pub(crate) use memory::{MemoryWorker, run as run_memory_worker};
@@ -30,6 +31,36 @@ pub(crate) use worker::{Worker, run as run_worker};
 
 /// Seed of the noise on the lattice.
 const SEED: u64 = 1;
+
+/// How Tumble computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Mode {
+    /// Every operation rounded by itself: `Kernels::Fastest`.
+    Exact,
+    /// Products rounded with what they are added to: `Kernels::Fused`.
+    Fused,
+    /// The same with fast roots: `Kernels::FastRoots`.
+    Roots,
+}
+
+impl Mode {
+    fn kernels(self) -> Kernels {
+        match self {
+            Self::Exact => Kernels::Fastest,
+            Self::Fused => Kernels::Fused,
+            Self::Roots => Kernels::FastRoots,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Fused => "fused",
+            Self::Roots => "roots",
+        }
+    }
+}
 
 /// Options of `cargo xtask peers`.
 #[derive(Args)]
@@ -55,9 +86,9 @@ pub(crate) struct Peers {
     /// Timed steps of each run that tries a skin.
     #[arg(long, default_value_t = 2000)]
     tune_steps: u64,
-    /// Tumble with its fast roots (`Kernels::FastRoots`) instead of exact ones.
-    #[arg(long)]
-    fast: bool,
+    /// How Tumble computes; exact kernels run beside in any case.
+    #[arg(long, value_enum, default_value_t = Mode::Fused)]
+    kernels: Mode,
     /// Instead: Tumble's time against the number of beads.
     #[arg(long)]
     scaling: bool,

@@ -33,8 +33,8 @@ pub(crate) struct Workload {
     pub(crate) steps: u64,
     pub(crate) warm: u64,
     pub(crate) repeats: usize,
-    /// Tumble ran with its fast roots.
-    pub(crate) fast_roots: bool,
+    /// How Tumble computed.
+    pub(crate) kernels: &'static str,
 }
 
 /// One code with a number of threads.
@@ -73,7 +73,7 @@ pub(crate) struct Report {
     pub(crate) scene: Workload,
     pub(crate) start: Bed,
     pub(crate) runs: Vec<Entry>,
-    pub(crate) ratios: [Ratio; 4],
+    pub(crate) ratios: [Ratio; 5],
     /// Two threads to one: as timed, and normalised by two independent processes.
     pub(crate) two_threads: [Spread; 2],
     pub(crate) same_bits_on_1_and_2_threads: bool,
@@ -129,13 +129,13 @@ fn print_tables(report: &Report) {
         load(report.load[1])
     );
     println!(
-        "{} beads, {} steps of {:.0} us after {} to warm up, {} rounds; Tumble with {} roots\n",
+        "{} beads, {} steps of {:.0} us after {} to warm up, {} rounds; Tumble with {} kernels\n",
         s.particles,
         s.steps,
         1e6 * s.dt,
         s.warm,
         s.repeats,
-        if s.fast_roots { "fast" } else { "exact" }
+        s.kernels
     );
     println!(
         "| code | threads | processor ns a particle-step | wall ns a particle-step | particle-steps/s | ns a contact | contacts a particle | list pairs a particle | steps a list | skin (mm) |"

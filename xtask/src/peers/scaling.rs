@@ -46,7 +46,7 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
         for ((scene, data, steps), runs) in scenes.iter().zip(&mut runs) {
             let warm = (*steps / 4).max(50);
             let task =
-                Task { scene, data, folder: &folder, warm, steps: *steps, fast: options.fast };
+                Task { scene, data, folder: &folder, warm, steps: *steps, mode: options.kernels };
             eprintln!("round {}: {} beads", round + 1, scene.beads);
             runs.push(tumble.run(&task, 1, skin)?);
         }
@@ -74,7 +74,7 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
     if options.json {
         let value = json!({
             "machine": machine(), "load_before_and_after": [load_before, load()],
-            "threads": 1, "along": options.along, "fast_roots": options.fast, "skin_mm": 1e3 * skin, "points": points, "exponent": exponent,
+            "threads": 1, "along": options.along, "kernels": options.kernels.name(), "skin_mm": 1e3 * skin, "points": points, "exponent": exponent,
         });
         println!("{}", serde_json::to_string_pretty(&value)?);
         return Ok(());

@@ -108,7 +108,7 @@ impl Scene {
         threads: usize,
         skin: f64,
         rolling: f64,
-        fast: bool,
+        kernels: Kernels,
     ) -> anyhow::Result<World<Model>> {
         let material = Material::from_shear_modulus(SHEAR_MODULUS_PA, POISSON, DENSITY);
         let mut b = WorldBuilder::<Model>::new(DT_S);
@@ -118,7 +118,7 @@ impl Scene {
             wall,
             law(&material, MU_WALL, rolling)?,
         );
-        b.kernels(if fast { Kernels::FastRoots } else { Kernels::Fastest });
+        b.kernels(kernels);
         b.gravity(DVec3::NEG_Y * GRAVITY).threads(threads).skin(skin);
         let half = self.radius * 1.1;
         let (low, high) = (-0.1 * self.radius, self.length + 0.1 * self.radius);
@@ -140,7 +140,7 @@ impl Scene {
     pub(crate) fn settled(&self, seed: u64, steps: u64) -> anyhow::Result<Vec<Bead>> {
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
         let mut world =
-            self.world(&self.lattice(seed)?, threads, 0.25 * BEAD_RADIUS_M, ROLLING, false)?;
+            self.world(&self.lattice(seed)?, threads, 0.25 * BEAD_RADIUS_M, ROLLING, Kernels::Fastest)?;
         world.run(steps)?;
         Ok(beads_of(&world))
     }

@@ -30,7 +30,7 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
         folder: &folder,
         warm: options.warm,
         steps: options.steps,
-        fast: options.fast,
+        mode: options.kernels,
     };
     let (mut installed, mut absent) = (Vec::new(), Vec::new());
     for code in Code::ALL {
@@ -201,10 +201,11 @@ impl Rounds {
                 steps: task.steps,
                 warm: task.warm,
                 repeats: one.len(),
-                fast_roots: task.fast,
+                kernels: task.mode.name(),
             },
             runs: entries,
             ratios: [
+                Code::TumbleExact,
                 Code::LammpsHertzHistory,
                 Code::LammpsGranular,
                 Code::LammpsGranularNoRolling,

@@ -78,7 +78,7 @@ fn rate() -> f64 {
 fn world(
     threads: usize,
     skin: f64,
-    fast: bool,
+    kernels: Kernels,
     tablets: Option<&[PlacedClump]>,
 ) -> anyhow::Result<World<Model>> {
     let material = Material::from_shear_modulus(TABLET.0, TABLET.1, TABLET.2);
@@ -86,7 +86,7 @@ fn world(
     let (tablet, wall) = (b.material(material), b.material(material));
     b.pair_law(tablet, tablet, law(&material, MU, ROLLING)?);
     b.pair_law(tablet, wall, law(&material, MU_WALL, ROLLING)?);
-    b.kernels(if fast { Kernels::FastRoots } else { Kernels::Fastest });
+    b.kernels(kernels);
     b.gravity(DVec3::NEG_Y * GRAVITY).threads(threads).skin(skin);
     let (radius, length) = DRUM_M;
     let half = 1.1 * radius;
@@ -158,7 +158,7 @@ fn timed(world: &mut World<Model>, steps: u64) -> anyhow::Result<f64> {
 
 fn tumble(options: &Peers, threads: usize) -> anyhow::Result<Line> {
     let settled = {
-        let mut world = world(2, 0.5e-3, options.fast, None)?;
+        let mut world = world(2, 0.5e-3, options.kernels.kernels(), None)?;
         eprintln!("tumble: {TABLETS} tablets fall and turn for {} steps", options.settle);
         world.run(options.settle)?;
         let tablet = |id| PlacedClump {
@@ -172,7 +172,7 @@ fn tumble(options: &Peers, threads: usize) -> anyhow::Result<Line> {
     };
     let mut best = (f64::INFINITY, SKINS[1]);
     for skin in SKINS {
-        let mut world = world(threads, skin, options.fast, Some(&settled))?;
+        let mut world = world(threads, skin, options.kernels.kernels(), Some(&settled))?;
         world.run(100)?;
         let ns = timed(&mut world, options.tune_steps.min(300))?;
         eprintln!("tumble: skin {:.2} mm, {ns:.0} ns a tablet-step", 1e3 * skin);
@@ -180,7 +180,7 @@ fn tumble(options: &Peers, threads: usize) -> anyhow::Result<Line> {
             best = (ns, skin);
         }
     }
-    let mut world = world(threads, best.1, options.fast, Some(&settled))?;
+    let mut world = world(threads, best.1, options.kernels.kernels(), Some(&settled))?;
     world.run(options.warm)?;
     let before = world.list_builds();
     let (mut times, mut contacts) = (Vec::new(), 0.0);

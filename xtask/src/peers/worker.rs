@@ -9,7 +9,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::code::Task;
-use super::exchange;
+use super::{Mode, exchange};
 use super::log::Told;
 use super::scene::{ROLLING, Scene, beads_of};
 
@@ -39,9 +39,8 @@ pub(crate) struct Worker {
     warm: u64,
     #[arg(long)]
     steps: u64,
-    /// Fast roots instead of exact ones.
-    #[arg(long)]
-    fast: bool,
+    #[arg(long, value_enum)]
+    kernels: Mode,
     /// Keep the energy ledger during the timed run.
     #[arg(long)]
     ledger: bool,
@@ -62,6 +61,7 @@ struct Line {
 pub(crate) fn arguments(
     command: &mut Command,
     task: &Task<'_>,
+    mode: Mode,
     threads: usize,
     skin: f64,
     dump: &Path,
@@ -80,16 +80,14 @@ pub(crate) fn arguments(
     {
         command.arg(name).arg(value.to_string());
     }
-    if task.fast {
-        command.arg("--fast");
-    }
+    command.args(["--kernels", mode.name()]);
 }
 
 /// Do the run and print its line.
 pub(crate) fn run(w: &Worker) -> anyhow::Result<()> {
     let beads = exchange::read_data(&w.data)?;
     let scene = Scene { beads: beads.len(), radius: w.radius, length: w.length, rate: w.rate };
-    let mut world = scene.world(&beads, w.threads, w.skin, w.rolling, w.fast)?;
+    let mut world = scene.world(&beads, w.threads, w.skin, w.rolling, w.kernels.kernels())?;
     world.run(w.warm)?;
     if w.ledger {
         world.open_ledger()?;
@@ -138,7 +136,7 @@ pub(crate) fn ledger(task: &Task<'_>, skin: f64) -> anyhow::Result<[f64; 2]> {
     let dump = task.folder.join("ledger.dump");
     let program = super::own_program()?;
     let mut command = Command::new(&program);
-    arguments(&mut command, task, 1, skin, &dump);
+    arguments(&mut command, task, task.mode, 1, skin, &dump);
     command.arg("--rolling").arg(ROLLING.to_string()).arg("--ledger");
     let done = command.output().with_context(|| format!("cannot start {}", program.display()))?;
     let screen = String::from_utf8_lossy(&done.stdout).into_owned();

@@ -34,6 +34,7 @@ impl Integrator for Beeman {
     fn kick<V: Vector>(
         &self,
         velocity: V,
+        _: V,
         old_acceleration: V,
         acceleration: V,
         memory: &mut V,

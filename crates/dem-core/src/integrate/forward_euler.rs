@@ -26,7 +26,15 @@ impl Integrator for ForwardEuler {
     }
 
     #[inline(always)]
-    fn kick<V: Vector>(&self, velocity: V, old_acceleration: V, _: V, _: &mut V, dt: f64) -> V {
+    fn kick<V: Vector>(
+        &self,
+        velocity: V,
+        _: V,
+        old_acceleration: V,
+        _: V,
+        _: &mut V,
+        dt: f64,
+    ) -> V {
         velocity + old_acceleration * dt
     }
 }

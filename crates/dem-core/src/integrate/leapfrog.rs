@@ -28,7 +28,7 @@ impl Integrator for Leapfrog {
     }
 
     #[inline(always)]
-    fn kick<V: Vector>(&self, _: V, _: V, acceleration: V, memory: &mut V, dt: f64) -> V {
+    fn kick<V: Vector>(&self, _: V, _: V, _: V, acceleration: V, memory: &mut V, dt: f64) -> V {
         *memory + acceleration * (0.5 * dt)
     }
 }

@@ -56,11 +56,16 @@ pub trait Integrator: Copy + Send + Sync + 'static {
     /// First half: from the state at the beginning of the step.
     fn drift<V: Vector>(&self, velocity: V, acceleration: V, memory: &mut V, dt: f64) -> Drift<V>;
 
-    /// Second half: the velocity at the end of the step, from that at its beginning and the
-    /// accelerations at both ends.
+    /// Whether the second half asks for nothing of the first but its mean velocity, and the scheme remembers nothing: then
+    /// steps that follow each other at once need no accelerations of bodies between them.
+    const FROM_MEAN: bool = false;
+
+    /// Second half: the velocity at the end of the step, from that at its beginning, the mean that
+    /// [`Integrator::drift`] told, and the accelerations at both ends.
     fn kick<V: Vector>(
         &self,
         velocity: V,
+        mean_velocity: V,
         old_acceleration: V,
         acceleration: V,
         memory: &mut V,

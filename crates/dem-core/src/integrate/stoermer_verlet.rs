@@ -29,7 +29,7 @@ impl Integrator for StoermerVerlet {
     }
 
     #[inline(always)]
-    fn kick<V: Vector>(&self, _: V, _: V, acceleration: V, memory: &mut V, dt: f64) -> V {
+    fn kick<V: Vector>(&self, _: V, _: V, _: V, acceleration: V, memory: &mut V, dt: f64) -> V {
         *memory * (1.0 / dt) + acceleration * (0.5 * dt)
     }
 }

@@ -1,6 +1,6 @@
 //! Velocity Verlet.
 //!
-//! `x' = x + v dt + a dt^2 / 2`, `v' = v + (a + a') dt / 2`. Symplectic, order 2.
+//! `x' = x + v dt + a dt^2 / 2`, `v' = v + (a + a') dt / 2`, of which `v + a dt / 2` is the mean velocity of the step. Symplectic, order 2.
 //! Swope, Andersen, Berens & Wilson, J. Chem. Phys. 76 (1982) 637, doi:10.1063/1.442716.
 
 use glam::DVec3;
@@ -14,6 +14,7 @@ pub struct VelocityVerlet;
 impl Integrator for VelocityVerlet {
     const ORDER: u32 = 2;
     const REMEMBERS: bool = false;
+    const FROM_MEAN: bool = true;
 
     #[inline(always)]
     fn start(&self, _: DVec3, _: DVec3, _: f64) -> DVec3 {
@@ -30,12 +31,13 @@ impl Integrator for VelocityVerlet {
     #[inline(always)]
     fn kick<V: Vector>(
         &self,
-        velocity: V,
-        old_acceleration: V,
+        _: V,
+        mean_velocity: V,
+        _: V,
         acceleration: V,
         _: &mut V,
         dt: f64,
     ) -> V {
-        velocity + (old_acceleration + acceleration) * (0.5 * dt)
+        mean_velocity + acceleration * (0.5 * dt)
     }
 }

@@ -30,8 +30,11 @@ pub(crate) struct NearOrder {
     scale: f64,
 }
 
+/// Pieces that a chunk finds room for without asking.
+const USUAL_PIECES: usize = 64;
+
 /// One chunk of near pairs.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct NearChunk {
     /// Where each class of gaps ends.
     ends: [u16; CLASSES],
@@ -94,12 +97,18 @@ impl NearOrder {
         }
         self.index.resize(whole, 0);
         let count = near.len().div_ceil(CHUNK);
-        self.chunks.resize_with(count, NearChunk::default);
+        if self.chunks.len() < count {
+            // Never fewer, and some more, so that a list with a few pairs more asks for no memory.
+            self.chunks.resize_with(count + count / 4 + 1, || NearChunk {
+                ends: [0; CLASSES],
+                pieces: Vec::with_capacity(USUAL_PIECES),
+            });
+        }
         let parts = (
             cut(&mut self.first, CHUNK),
             cut(&mut self.second, CHUNK),
             cut(&mut self.index, CHUNK),
-            cut(&mut self.chunks, 1),
+            cut(&mut self.chunks[..count], 1),
         );
         let scale = self.scale;
         team.each(count, parts, |c, (to_first, to_second, index, chunk)| {

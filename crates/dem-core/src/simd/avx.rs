@@ -5,20 +5,21 @@ use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::{Lanes, Numbers, Quad};
+use super::lanes::{Lanes, Numbers, Quad, Quads};
 use crate::particles::Record;
+use crate::sums::Pull;
 
-/// Eight lanes of one AVX-512 register.
+/// Eight lanes of one AVX-512 register, whose products are rounded before they are added unless `FUSED`.
 #[derive(Clone, Copy)]
-pub(super) struct Wide(__m512d);
+pub(super) struct Wide<const FUSED: bool>(__m512d);
 
-/// Eight lanes of two AVX2 registers.
+/// Eight lanes of two AVX2 registers, likewise.
 #[derive(Clone, Copy)]
-pub(super) struct Pair(__m256d, __m256d);
+pub(super) struct Pair<const FUSED: bool>(__m256d, __m256d);
 
 macro_rules! wide {
     ($trait:ident, $name:ident, $op:ident) => {
-        impl $trait for Wide {
+        impl<const FUSED: bool> $trait for Wide<FUSED> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, o: Self) -> Self {
@@ -33,7 +34,7 @@ wide!(Sub, sub, _mm512_sub_pd);
 wide!(Mul, mul, _mm512_mul_pd);
 wide!(Div, div, _mm512_div_pd);
 
-impl Neg for Wide {
+impl<const FUSED: bool> Neg for Wide<FUSED> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -91,7 +92,7 @@ unsafe fn rows(from: *const f64, p: &[u32; 8], k: usize) -> __m512d {
 /// # Safety
 /// AVX-512 is there.
 #[inline(always)]
-unsafe fn rows_of([x, y, z, w]: [Wide; 4]) -> [__m512d; 4] {
+unsafe fn rows_of<const FUSED: bool>([x, y, z, w]: [Wide<FUSED>; 4]) -> [__m512d; 4] {
     // SAFETY: by the caller.
     unsafe {
         let (xy, xy2) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
@@ -107,14 +108,20 @@ unsafe fn rows_of([x, y, z, w]: [Wide; 4]) -> [__m512d; 4] {
     }
 }
 
-/// Where the sum of a sphere lies, of whose place four times is given.
+/// Where the sums of spheres begin, of whose places four times is given.
 ///
 /// # Safety
-/// It lies within the sums.
+/// AVX2 is there.
 #[inline(always)]
-unsafe fn sum_at(to: *mut f64, within: u32, place: u32) -> *mut f64 {
-    // SAFETY: by the caller.
-    unsafe { to.add(2 * (place & within) as usize) }
+unsafe fn sums_at(within: u32, places: &[u32; 8]) -> [u32; 8] {
+    let mut at = [0; 8];
+    // SAFETY: by the caller; the arrays are as long as what is read and written.
+    unsafe {
+        let places = _mm256_loadu_si256(places.as_ptr().cast());
+        let own = _mm256_and_si256(places, _mm256_set1_epi32(within.cast_signed()));
+        _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_slli_epi32::<1>(own));
+    }
+    at
 }
 
 /// Add force and torque to the sum of a sphere.
@@ -122,10 +129,10 @@ unsafe fn sum_at(to: *mut f64, within: u32, place: u32) -> *mut f64 {
 /// # Safety
 /// AVX-512 is there and the sum can be written.
 #[inline(always)]
-unsafe fn add_wide(to: *mut f64, within: u32, place: u32, wrench: __m512d) {
+unsafe fn add_wide(to: *mut f64, at: u32, wrench: __m512d) {
     // SAFETY: by the caller; sums lie at multiples of 64.
     unsafe {
-        let sum = sum_at(to, within, place);
+        let sum = to.add(at as usize);
         _mm512_store_pd(sum, _mm512_add_pd(_mm512_load_pd(sum), wrench));
     }
 }
@@ -135,7 +142,7 @@ unsafe fn add_wide(to: *mut f64, within: u32, place: u32, wrench: __m512d) {
 /// # Safety
 /// AVX-512 is there.
 #[inline(always)]
-unsafe fn columns([a, b, c, d]: [__m512d; 4]) -> [Wide; 4] {
+unsafe fn columns<const FUSED: bool>([a, b, c, d]: [__m512d; 4]) -> [Wide<FUSED>; 4] {
     // SAFETY: by the caller.
     unsafe {
         let (xz, yw) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
@@ -153,11 +160,36 @@ unsafe fn columns([a, b, c, d]: [__m512d; 4]) -> [Wide; 4] {
 
 // SAFETY of all blocks below: values exist only where AVX-512 was detected; references to arrays
 // of eight numbers are valid for the unaligned loads and stores.
-impl Numbers for Wide {
+impl<const FUSED: bool> Numbers for Wide<FUSED> {
     type Mask = u8;
+    const FUSED: bool = FUSED;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self(unsafe { _mm512_set1_pd(x) })
+    }
+    #[inline(always)]
+    fn times_plus(self, factor: Self, o: Self) -> Self {
+        if FUSED {
+            Self(unsafe { _mm512_fmadd_pd(self.0, factor.0, o.0) })
+        } else {
+            self * factor + o
+        }
+    }
+    #[inline(always)]
+    fn times_less(self, factor: Self, o: Self) -> Self {
+        if FUSED {
+            Self(unsafe { _mm512_fmsub_pd(self.0, factor.0, o.0) })
+        } else {
+            self * factor - o
+        }
+    }
+    #[inline(always)]
+    fn less_times(self, a: Self, b: Self) -> Self {
+        if FUSED {
+            Self(unsafe { _mm512_fnmadd_pd(a.0, b.0, self.0) })
+        } else {
+            self - a * b
+        }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -200,7 +232,7 @@ impl Numbers for Wide {
 }
 
 // SAFETY: as above.
-impl Lanes for Wide {
+impl<const FUSED: bool> Lanes for Wide<FUSED> {
     #[inline(always)]
     fn load(from: &[f64; 8]) -> Self {
         Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
@@ -234,18 +266,19 @@ impl Lanes for Wide {
         second: &[u32; 8],
     ) {
         unsafe {
+            let (first, second) = (sums_at(within, first), sums_at(within, second));
             let (f, ti, tj) = (rows_of(f), rows_of(ti), rows_of(tj));
             let opposite = _mm512_setr_pd(-0.0, -0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0);
             // In the order of the list: rows 0 to 3 hold the first four contacts in their lower halves.
             for k in 0..4 {
                 let on_second = _mm512_shuffle_f64x2::<0x44>(f[k], tj[k]);
-                add_wide(to, within, first[k], _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
-                add_wide(to, within, second[k], _mm512_xor_pd(on_second, opposite));
+                add_wide(to, first[k], _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
+                add_wide(to, second[k], _mm512_xor_pd(on_second, opposite));
             }
             for k in 0..4 {
                 let on_second = _mm512_shuffle_f64x2::<0xEE>(f[k], tj[k]);
-                add_wide(to, within, first[k + 4], _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
-                add_wide(to, within, second[k + 4], _mm512_xor_pd(on_second, opposite));
+                add_wide(to, first[k + 4], _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
+                add_wide(to, second[k + 4], _mm512_xor_pd(on_second, opposite));
             }
         }
     }
@@ -268,7 +301,7 @@ impl Lanes for Wide {
 
 macro_rules! pair {
     ($trait:ident, $name:ident, $op:ident) => {
-        impl $trait for Pair {
+        impl<const FUSED: bool> $trait for Pair<FUSED> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, o: Self) -> Self {
@@ -283,7 +316,7 @@ pair!(Sub, sub, _mm256_sub_pd);
 pair!(Mul, mul, _mm256_mul_pd);
 pair!(Div, div, _mm256_div_pd);
 
-impl Neg for Pair {
+impl<const FUSED: bool> Neg for Pair<FUSED> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -331,7 +364,7 @@ unsafe fn transpose(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> [__m256d;
 /// # Safety
 /// AVX is there.
 #[inline(always)]
-unsafe fn lower_rows([x, y, z, w]: [Pair; 4]) -> [__m256d; 4] {
+unsafe fn lower_rows<const FUSED: bool>([x, y, z, w]: [Pair<FUSED>; 4]) -> [__m256d; 4] {
     // SAFETY: by the caller.
     unsafe { transpose(x.0, y.0, z.0, w.0) }
 }
@@ -341,7 +374,7 @@ unsafe fn lower_rows([x, y, z, w]: [Pair; 4]) -> [__m256d; 4] {
 /// # Safety
 /// AVX is there.
 #[inline(always)]
-unsafe fn upper_rows([x, y, z, w]: [Pair; 4]) -> [__m256d; 4] {
+unsafe fn upper_rows<const FUSED: bool>([x, y, z, w]: [Pair<FUSED>; 4]) -> [__m256d; 4] {
     // SAFETY: by the caller.
     unsafe { transpose(x.1, y.1, z.1, w.1) }
 }
@@ -351,10 +384,10 @@ unsafe fn upper_rows([x, y, z, w]: [Pair; 4]) -> [__m256d; 4] {
 /// # Safety
 /// AVX is there and both sums can be written.
 #[inline(always)]
-unsafe fn add_pair(to: *mut f64, within: u32, places: [u32; 2], [f, ti, tj]: [__m256d; 3]) {
+unsafe fn add_pair(to: *mut f64, at: [u32; 2], [f, ti, tj]: [__m256d; 3]) {
     // SAFETY: by the caller; sums lie at multiples of 64.
     unsafe {
-        let (first, second) = (sum_at(to, within, places[0]), sum_at(to, within, places[1]));
+        let (first, second) = (to.add(at[0] as usize), to.add(at[1] as usize));
         let torque = first.add(4);
         _mm256_store_pd(first, _mm256_add_pd(_mm256_load_pd(first), f));
         _mm256_store_pd(torque, _mm256_add_pd(_mm256_load_pd(torque), ti));
@@ -366,11 +399,36 @@ unsafe fn add_pair(to: *mut f64, within: u32, places: [u32; 2], [f, ti, tj]: [__
 
 // SAFETY of all blocks below: values exist only where AVX2 was detected; references to arrays of
 // eight numbers are valid for the unaligned loads and stores.
-impl Numbers for Pair {
+impl<const FUSED: bool> Numbers for Pair<FUSED> {
     type Mask = u8;
+    const FUSED: bool = FUSED;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         unsafe { Self(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn times_plus(self, f: Self, o: Self) -> Self {
+        if FUSED {
+            unsafe { Self(_mm256_fmadd_pd(self.0, f.0, o.0), _mm256_fmadd_pd(self.1, f.1, o.1)) }
+        } else {
+            self * f + o
+        }
+    }
+    #[inline(always)]
+    fn times_less(self, f: Self, o: Self) -> Self {
+        if FUSED {
+            unsafe { Self(_mm256_fmsub_pd(self.0, f.0, o.0), _mm256_fmsub_pd(self.1, f.1, o.1)) }
+        } else {
+            self * f - o
+        }
+    }
+    #[inline(always)]
+    fn less_times(self, a: Self, b: Self) -> Self {
+        if FUSED {
+            unsafe { Self(_mm256_fnmadd_pd(a.0, b.0, self.0), _mm256_fnmadd_pd(a.1, b.1, self.1)) }
+        } else {
+            self - a * b
+        }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -416,7 +474,7 @@ impl Numbers for Pair {
 }
 
 // SAFETY: as above.
-impl Lanes for Pair {
+impl<const FUSED: bool> Lanes for Pair<FUSED> {
     #[inline(always)]
     fn load(from: &[f64; 8]) -> Self {
         unsafe { Self(_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().add(4))) }
@@ -457,13 +515,14 @@ impl Lanes for Pair {
         second: &[u32; 8],
     ) {
         unsafe {
+            let (first, second) = (sums_at(within, first), sums_at(within, second));
             let [f4, ti4, tj4] = [lower_rows(f), lower_rows(ti), lower_rows(tj)];
             for k in 0..4 {
-                add_pair(to, within, [first[k], second[k]], [f4[k], ti4[k], tj4[k]]);
+                add_pair(to, [first[k], second[k]], [f4[k], ti4[k], tj4[k]]);
             }
             let [f4, ti4, tj4] = [upper_rows(f), upper_rows(ti), upper_rows(tj)];
             for k in 0..4 {
-                add_pair(to, within, [first[k + 4], second[k + 4]], [f4[k], ti4[k], tj4[k]]);
+                add_pair(to, [first[k + 4], second[k + 4]], [f4[k], ti4[k], tj4[k]]);
             }
         }
     }
@@ -533,6 +592,105 @@ impl Quad for Four {
             let (xy, z) = (_mm256_castpd256_pd128(square), _mm256_extractf128_pd::<1>(square));
             let sum = _mm_add_sd(xy, _mm_unpackhi_pd(xy, xy));
             _mm_cvtsd_f64(_mm_add_sd(sum, z))
+        }
+    }
+}
+
+/// Two records side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Eight(__m512d);
+
+macro_rules! eight {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl $trait for Eight {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                // SAFETY: values of this type exist only where AVX-512 was detected.
+                Self(unsafe { $op(self.0, o.0) })
+            }
+        }
+    };
+}
+eight!(Add, add, _mm512_add_pd);
+eight!(Sub, sub, _mm512_sub_pd);
+
+impl Mul<f64> for Eight {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: f64) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_mul_pd(self.0, _mm512_set1_pd(s)) })
+    }
+}
+
+impl crate::integrate::Vector for Eight {}
+
+// SAFETY of all blocks below: as above; two records are eight numbers, and so is a pull.
+impl Quads for Eight {
+    const COUNT: usize = 2;
+    #[inline(always)]
+    fn alike(record: &Record) -> Self {
+        let one = std::ptr::from_ref(record).cast();
+        Self(unsafe { _mm512_broadcast_f64x4(_mm256_load_pd(one)) })
+    }
+    #[inline(always)]
+    fn load_some(from: &[Record]) -> Self {
+        let two: &[Record; 2] = from.first_chunk().expect("two records");
+        Self(unsafe { _mm512_loadu_pd(std::ptr::from_ref(two).cast()) })
+    }
+    #[inline(always)]
+    fn store_some(self, to: &mut [Record]) {
+        let two: &mut [Record; 2] = to.first_chunk_mut().expect("two records");
+        unsafe { _mm512_storeu_pd(std::ptr::from_mut(two).cast(), self.0) }
+    }
+    #[inline(always)]
+    fn take(from: &mut [Pull]) -> [Self; 2] {
+        let two: &mut [Pull; 2] = from.first_chunk_mut().expect("two pulls");
+        unsafe {
+            let [a, b] = two.each_mut().map(
+                #[inline(always)]
+                |pull| std::ptr::from_mut(pull).cast::<f64>(),
+            );
+            let (first, second) = (_mm512_load_pd(a), _mm512_load_pd(b));
+            _mm512_store_pd(a, _mm512_setzero_pd());
+            _mm512_store_pd(b, _mm512_setzero_pd());
+            let forces = _mm512_shuffle_f64x2::<0x44>(first, second);
+            [Self(forces), Self(_mm512_shuffle_f64x2::<0xEE>(first, second))]
+        }
+    }
+    #[inline(always)]
+    fn with_scalars_of(self, o: Self) -> Self {
+        Self(unsafe { _mm512_mask_blend_pd(0b1000_1000, self.0, o.0) })
+    }
+    #[inline(always)]
+    fn over_scalars_of(self, o: Self) -> Self {
+        unsafe {
+            let scalars = _mm512_permutex_pd::<0xFF>(o.0);
+            Self(_mm512_mul_pd(self.0, _mm512_div_pd(_mm512_set1_pd(1.0), scalars)))
+        }
+    }
+    #[inline(always)]
+    fn turned(self, [x, y, z, shift]: &[Self; 4]) -> Self {
+        unsafe {
+            let along_x = _mm512_mul_pd(x.0, _mm512_permutex_pd::<0x00>(self.0));
+            let along_y = _mm512_mul_pd(y.0, _mm512_permutex_pd::<0x55>(self.0));
+            let along_z = _mm512_mul_pd(z.0, _mm512_permutex_pd::<0xAA>(self.0));
+            let sum = _mm512_add_pd(_mm512_add_pd(along_x, along_y), along_z);
+            Self(_mm512_add_pd(sum, shift.0))
+        }
+    }
+    #[inline(always)]
+    fn largest_square(self) -> f64 {
+        unsafe {
+            let square = _mm512_mul_pd(self.0, self.0);
+            // In the order of `Four`: x and y, then z.
+            let y = _mm512_permutex_pd::<0x55>(square);
+            let z = _mm512_permutex_pd::<0xAA>(square);
+            let sums = _mm512_add_pd(_mm512_add_pd(square, y), z);
+            let a = _mm512_cvtsd_f64(sums);
+            let b = _mm256_cvtsd_f64(_mm512_extractf64x4_pd::<1>(sums));
+            if a >= b || a.is_nan() { a } else { b }
         }
     }
 }

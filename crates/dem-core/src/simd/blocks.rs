@@ -158,9 +158,22 @@ impl<V: Lanes> Neg for Two<V> {
 
 impl<V: Lanes> Numbers for Two<V> {
     type Mask = TwoBits;
+    const FUSED: bool = V::FUSED;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self(V::splat(x), V::splat(x))
+    }
+    #[inline(always)]
+    fn times_plus(self, f: Self, o: Self) -> Self {
+        Self(self.0.times_plus(f.0, o.0), self.1.times_plus(f.1, o.1))
+    }
+    #[inline(always)]
+    fn times_less(self, f: Self, o: Self) -> Self {
+        Self(self.0.times_less(f.0, o.0), self.1.times_less(f.1, o.1))
+    }
+    #[inline(always)]
+    fn less_times(self, a: Self, b: Self) -> Self {
+        Self(self.0.less_times(a.0, b.0), self.1.less_times(a.1, b.1))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

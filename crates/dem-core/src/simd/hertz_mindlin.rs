@@ -174,8 +174,9 @@ fn small_sin_cos<V: Blocks>(x: V, used: V::Mask) -> (V, V) {
         (V::splat(SINE[0]), V::splat(SINE[1]), V::splat(SINE[2]), V::splat(SINE[3]));
     let (c2, c4, c6, c8) =
         (V::splat(COSINE[0]), V::splat(COSINE[1]), V::splat(COSINE[2]), V::splat(COSINE[3]));
-    let sin = x * (one + x2 * (s3 + x2 * (s5 + x2 * (s7 + x2 * s9))));
-    let cos = one + x2 * (c2 + x2 * (c4 + x2 * (c6 + x2 * c8)));
+    let s = x2.times_plus(x2.times_plus(x2.times_plus(x2.times_plus(s9, s7), s5), s3), one);
+    let cos = x2.times_plus(x2.times_plus(x2.times_plus(x2.times_plus(c8, c6), c4), c2), one);
+    let sin = x * s;
     let large = V::splat(0.1).less(x.abs()) & used;
     if large.is_empty() { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
 }
@@ -228,7 +229,7 @@ pub(super) fn respond<V: Blocks, const FAST: bool>(
     let (zero, n) = (V::splat(0.0), m.normal);
     let tiny = V::splat(f64::MIN_POSITIVE);
     // Transport of the spring with the contact frame.
-    let flat = old - n * old.dot(n);
+    let flat = old.less_times(n, old.dot(n));
     let (flat2, size2) = (flat.dot(flat), old.dot(old));
     let alive = zero.less(flat2);
     let flat = if FAST {
@@ -237,7 +238,7 @@ pub(super) fn respond<V: Blocks, const FAST: bool>(
         flat * (size2 / flat2).sqrt()
     };
     let (sin, cos) = small_sin_cos(m.twist, touching & alive);
-    let carried = (flat * cos + n.cross(flat) * sin).select(alive, V3::splat(0.0));
+    let carried = n.cross(flat).times_plus(sin, flat * cos).select(alive, V3::splat(0.0));
     // Hertz.
     let delta = m.overlap.max(zero);
     let a = root::<V, FAST>(m.r_star * delta);
@@ -245,8 +246,8 @@ pub(super) fn respond<V: Blocks, const FAST: bool>(
     let elastic = V::splat(2.0 / 3.0) * stiffness * delta;
     // Both dashpots go with the root of mass times contact radius.
     let inertia = root::<V, FAST>(m.m_star * a);
-    let viscous = laws.normal_damping * (inertia * laws.normal_root) * m.rate;
-    let normal = (elastic + viscous).max(laws.least_force);
+    let viscosity = laws.normal_damping * (inertia * laws.normal_root);
+    let normal = viscosity.times_plus(m.rate, elastic).max(laws.least_force);
     let load = normal.max(zero);
     // Mindlin.
     let k = V::splat(8.0) * laws.g_star * a;
@@ -254,7 +255,7 @@ pub(super) fn respond<V: Blocks, const FAST: bool>(
     // A new contact carries nothing, so that its share need only be finite.
     let most = if features.form.total_spring { f64::MAX } else { 1.0 };
     let share = (k / old_stiffness.abs().max(tiny)).min(V::splat(most));
-    let trial = carried * share - (m.slip * m.dt) * k;
+    let trial = (carried * share).less_times(m.slip * m.dt, k);
     let sticking = laws.friction * load;
     let (threshold, bound) = if features.stick_slip {
         let sliding = laws.kinetic * load;
@@ -266,26 +267,26 @@ pub(super) fn respond<V: Blocks, const FAST: bool>(
     let sticks_damped = touching & !sliding & zero.less(dashpot);
     // Sliding contacts are at the limit already and have no dashpot: few are left here.
     let (damped, _) =
-        limit::<V, FAST>(spring - m.slip * dashpot, sticking, sticking, sticks_damped);
+        limit::<V, FAST>(spring.less_times(m.slip, dashpot), sticking, sticking, sticks_damped);
     let shear = damped.select(sticks_damped, spring);
     // Rolling.
     let (roll_i, roll_j) = if features.form.absolute_spin {
-        let limit_i = (laws.arm_length + laws.arm_ratio * m.lever_i) * load;
-        let limit_j = (laws.arm_length + laws.arm_ratio * m.lever_j) * load;
+        let limit_i = laws.arm_ratio.times_plus(m.lever_i, laws.arm_length) * load;
+        let limit_j = laws.arm_ratio.times_plus(m.lever_j, laws.arm_length) * load;
         (against::<V, FAST>(m.spin_i, limit_i), against::<V, FAST>(m.spin_j, limit_j))
     } else {
         let spin = m.spin_i - m.spin_j;
-        let arm = laws.arm_length + laws.arm_ratio * m.r_star;
-        let torque = against::<V, FAST>(spin - n * spin.dot(n), arm * load);
+        let arm = laws.arm_ratio.times_plus(m.r_star, laws.arm_length);
+        let torque = against::<V, FAST>(spin.less_times(n, spin.dot(n)), arm * load);
         (torque, -torque)
     };
     let moment = n.cross(shear);
     let repulsion =
         if features.cohesive { normal - pull(m, laws.energy_density, delta) } else { normal };
     Out {
-        force: shear - n * repulsion,
-        torque_i: moment * m.lever_i + roll_i,
-        torque_j: moment * m.lever_j + roll_j,
+        force: shear.less_times(n, repulsion),
+        torque_i: moment.times_plus(m.lever_i, roll_i),
+        torque_j: moment.times_plus(m.lever_j, roll_j),
         spring,
         stiffness: (-k).select(sliding, k),
     }

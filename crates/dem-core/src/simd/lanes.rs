@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::neighbour::Period;
 use crate::particles::Record;
+use crate::sums::Pull;
 use crate::threads::View;
 
 /// Numbers side by side, on which laws are written once.
@@ -20,8 +21,25 @@ pub(crate) trait Numbers:
 {
     /// One bit a lane.
     type Mask: Mask;
+    /// Whether a product is added to something without being rounded first.
+    const FUSED: bool = false;
     /// The same number in every lane.
     fn splat(x: f64) -> Self;
+    /// `self * factor + o`; rounded once where the numbers are fused.
+    #[inline(always)]
+    fn times_plus(self, factor: Self, o: Self) -> Self {
+        self * factor + o
+    }
+    /// `self * factor - o`, likewise.
+    #[inline(always)]
+    fn times_less(self, factor: Self, o: Self) -> Self {
+        self * factor - o
+    }
+    /// `self - a * b`, likewise.
+    #[inline(always)]
+    fn less_times(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
     fn sqrt(self) -> Self;
     /// `1 / sqrt(x)` to about two units in the last place, `x` positive and normal.
     fn reciprocal_root(self) -> Self;
@@ -180,15 +198,49 @@ impl<V: Numbers> V3<V> {
 
     #[inline(always)]
     pub(crate) fn dot(self, o: Self) -> V {
-        self.x * o.x + self.y * o.y + self.z * o.z
+        self.z.times_plus(o.z, self.y.times_plus(o.y, self.x * o.x))
+    }
+
+    /// `self * s + o`.
+    #[inline(always)]
+    pub(crate) fn times_plus(self, s: V, o: Self) -> Self {
+        Self {
+            x: self.x.times_plus(s, o.x),
+            y: self.y.times_plus(s, o.y),
+            z: self.z.times_plus(s, o.z),
+        }
+    }
+
+    /// `self - v * s`.
+    #[inline(always)]
+    pub(crate) fn less_times(self, v: Self, s: V) -> Self {
+        Self {
+            x: self.x.less_times(v.x, s),
+            y: self.y.less_times(v.y, s),
+            z: self.z.less_times(v.z, s),
+        }
+    }
+
+    /// `self x o + to`.
+    #[inline(always)]
+    pub(crate) fn cross_plus(self, o: Self, to: Self) -> Self {
+        if V::FUSED {
+            Self {
+                x: self.y.times_plus(o.z, to.x.less_times(o.y, self.z)),
+                y: self.z.times_plus(o.x, to.y.less_times(o.z, self.x)),
+                z: self.x.times_plus(o.y, to.z.less_times(o.x, self.y)),
+            }
+        } else {
+            to + self.cross(o)
+        }
     }
 
     #[inline(always)]
     pub(crate) fn cross(self, o: Self) -> Self {
         Self {
-            x: self.y * o.z - o.y * self.z,
-            y: self.z * o.x - o.z * self.x,
-            z: self.x * o.y - o.x * self.y,
+            x: self.y.times_less(o.z, o.y * self.z),
+            y: self.z.times_less(o.x, o.z * self.x),
+            z: self.x.times_less(o.y, o.x * self.y),
         }
     }
 
@@ -274,6 +326,13 @@ pub(crate) trait Quad: crate::integrate::Vector {
     fn with_scalar_of(self, other: Self) -> Self;
     /// Of the vector, without the scalar.
     fn length_squared(self) -> f64;
+    /// As a record.
+    #[inline(always)]
+    fn record(self) -> Record {
+        let mut record = Record::ZERO;
+        self.store(&mut record);
+        record
+    }
 }
 
 impl Quad for Record {
@@ -292,5 +351,64 @@ impl Quad for Record {
     #[inline(always)]
     fn length_squared(self) -> f64 {
         self.vector().length_squared()
+    }
+}
+
+/// Records of one body or of several that follow each other.
+pub(crate) trait Quads: crate::integrate::Vector {
+    /// How many.
+    const COUNT: usize;
+    /// The same record for each.
+    fn alike(record: &Record) -> Self;
+    /// The first records of a run.
+    fn load_some(from: &[Record]) -> Self;
+    fn store_some(self, to: &mut [Record]);
+    /// Forces and torques on the first bodies of a run, which are zero then.
+    fn take(from: &mut [Pull]) -> [Self; 2];
+    /// These vectors with the scalars of other records.
+    fn with_scalars_of(self, other: Self) -> Self;
+    /// Vectors divided by the scalars of other records, by way of their reciprocals.
+    fn over_scalars_of(self, other: Self) -> Self;
+    /// `frame[0] x + frame[1] y + frame[2] z + frame[3]`.
+    fn turned(self, frame: &[Self; 4]) -> Self;
+    /// Of the vectors, without the scalars; no number if one of them is none.
+    fn largest_square(self) -> f64;
+}
+
+impl<Q: Quad> Quads for Q {
+    const COUNT: usize = 1;
+    #[inline(always)]
+    fn alike(record: &Record) -> Self {
+        Q::load(record)
+    }
+    #[inline(always)]
+    fn load_some(from: &[Record]) -> Self {
+        Q::load(&from[0])
+    }
+    #[inline(always)]
+    fn store_some(self, to: &mut [Record]) {
+        self.store(&mut to[0]);
+    }
+    #[inline(always)]
+    fn take(from: &mut [Pull]) -> [Self; 2] {
+        let Pull { force, torque } = std::mem::take(&mut from[0]);
+        [Q::load(&force), Q::load(&torque)]
+    }
+    #[inline(always)]
+    fn with_scalars_of(self, other: Self) -> Self {
+        self.with_scalar_of(other)
+    }
+    #[inline(always)]
+    fn over_scalars_of(self, other: Self) -> Self {
+        self * (1.0 / other.record().w)
+    }
+    #[inline(always)]
+    fn turned(self, [x, y, z, shift]: &[Self; 4]) -> Self {
+        let r = self.record();
+        *x * r.x + *y * r.y + *z * r.z + *shift
+    }
+    #[inline(always)]
+    fn largest_square(self) -> f64 {
+        self.length_squared()
     }
 }

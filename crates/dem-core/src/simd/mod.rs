@@ -2,7 +2,7 @@
 //!
 //! The kernel is written once, over [`lanes::Lanes`]; AVX-512 and AVX2 each compile it for their
 //! registers, and the widest that the processor has is chosen when a world runs. Every operation
-//! is the same, in the same order, as in the portable kernel, and none is fused: so the bits of
+//! is the same, in the same order, as in the portable kernel, and none is fused unless the world asks for it: so the bits of
 //! the result are those of the portable kernel, on every processor.
 #![expect(unsafe_code, reason = "vector instructions and unchecked gathers")]
 
@@ -20,7 +20,7 @@ use std::any::Any;
 
 pub(crate) use clumps::{OnBodies, Placing, Turning};
 pub(crate) use hertz_mindlin::Features;
-pub(crate) use lanes::{Mask, Numbers, Quad, V3};
+pub(crate) use lanes::{Mask, Numbers, Quad, Quads, V3};
 pub(crate) use pairs::{PairKernel, Run, Wrenches};
 pub(crate) use wall::WallRun;
 
@@ -37,10 +37,21 @@ use crate::particles::Record;
 pub(crate) enum Level {
     /// One contact at a time, any processor.
     Portable,
-    /// Two registers of four lanes.
+    /// Two registers of four lanes (AVX2 with fused operations, which came together).
     Avx2,
     /// One register of eight lanes.
     Avx512,
+}
+
+/// How the kernels of contacts compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Arithmetic {
+    /// Every operation is rounded by itself, as in the portable kernel.
+    Exact,
+    /// What a product is added to is rounded once.
+    Fused,
+    /// The same, and roots may be off in the last places.
+    FastRoots,
 }
 
 impl Level {
@@ -48,7 +59,9 @@ impl Level {
     pub(crate) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt");
+            let has_avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("popcnt");
             let has_avx512 = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512vl");
@@ -214,8 +227,8 @@ pub(crate) fn in_reach(
     };
     #[cfg(target_arch = "x86_64")]
     match level {
-        Level::Avx512 => return reach::<avx::Wide>(own, [x, y, z, r], gaps, period),
-        Level::Avx2 => return reach::<avx::Pair>(own, [x, y, z, r], gaps, period),
+        Level::Avx512 => return reach::<avx::Wide<false>>(own, [x, y, z, r], gaps, period),
+        Level::Avx2 => return reach::<avx::Pair<false>>(own, [x, y, z, r], gaps, period),
         Level::Portable => {}
     }
     let _ = level;
@@ -251,8 +264,8 @@ fn reach<V: lanes::Lanes>(
 pub(crate) trait RecordWork {
     /// What it yields.
     type Yield;
-    /// Do it with `Q` for a record.
-    fn run<Q: Quad>(self) -> Self::Yield;
+    /// Do it with `Q` for a record, and `W` for as many records as a register holds.
+    fn run<Q: Quad, W: Quads>(self) -> Self::Yield;
 }
 
 /// Do `work` with the registers of `level`: the same operations on each number.
@@ -263,11 +276,14 @@ pub(crate) fn on_records<W: RecordWork>(level: Level, work: W) -> W::Yield {
         return widened(
             level,
             #[inline(always)]
-            || work.run::<avx::Four>(),
+            || match level {
+                Level::Avx512 => work.run::<avx::Four, avx::Eight>(),
+                _ => work.run::<avx::Four, avx::Four>(),
+            },
         );
     }
     let _ = level;
-    work.run::<Record>()
+    work.run::<Record, Record>()
 }
 
 /// Run `work` compiled for the instructions of `level`: the same operations, wider registers.
@@ -279,7 +295,7 @@ pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
         unsafe fn avx512<R>(work: impl FnOnce() -> R) -> R {
             work()
         }
-        #[target_feature(enable = "avx2,popcnt")]
+        #[target_feature(enable = "avx2,fma,popcnt")]
         unsafe fn avx2<R>(work: impl FnOnce() -> R) -> R {
             work()
         }
@@ -314,7 +330,7 @@ mod tests {
             widened(
                 Level::Avx512,
                 #[inline(always)]
-                || avx::Wide::load(&x).reciprocal_root().store(&mut y),
+                || avx::Wide::<false>::load(&x).reciprocal_root().store(&mut y),
             );
             for (x, y) in x.iter().zip(y) {
                 worst = worst.max((y * x.sqrt() - 1.0).abs());
@@ -323,5 +339,53 @@ mod tests {
         // The root and the product round as well: half a unit each.
         assert!(worst < 3.0 * f64::EPSILON, "{worst:e}");
         assert!(worst > 0.0);
+    }
+
+    #[test]
+    fn fused_kernels_give_the_same_bits_with_either_registers() {
+        use crate::prelude::*;
+        type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
+        if Level::detect() != Level::Avx512 {
+            return;
+        }
+        let world = |kernels| {
+            let material = Material::from_shear_modulus(2.52e7, 0.29, 2500.0);
+            let mut b = WorldBuilder::<Model>::new(2e-5);
+            let bead = b.material(material);
+            let normal: HertzTailCut =
+                HertzSpec { e_star: 3.5e7, restitution: 0.8 }.try_into().unwrap();
+            let law = ContactModel {
+                normal,
+                tangential: Mindlin {
+                    g_star: 7e6,
+                    friction: Friction::coulomb(0.5).unwrap(),
+                    damping: normal.damping,
+                },
+                rolling: ConstantTorqueSpec { coefficient: RollingCoefficient::Ratio(0.01) }
+                    .try_into()
+                    .unwrap(),
+                cohesion: Cohesionless,
+            };
+            b.pair_law(bead, bead, law).gravity(DVec3::NEG_Y * 9.81).kernels(kernels);
+            b.domain(DVec3::splat(-0.1), DVec3::splat(0.1));
+            b.wall(Wall::drum(DVec3::ZERO, DVec3::Z, 0.02, bead));
+            for k in 0..216 {
+                let at = DVec3::new((k % 6) as f64, (k / 6 % 6) as f64, (k / 36) as f64) - 2.5;
+                // Rows are shifted, so that beads do not stand on each other.
+                let at = at * 4.1e-3 + DVec3::X * 3e-4 * (k / 6 % 2) as f64;
+                b.sphere(Sphere::at(at, 2e-3, bead).with_spin(DVec3::new(3.0, 1.0, 2.0)));
+            }
+            b.build().unwrap()
+        };
+        let run = |kernels, level| {
+            let mut world = world(kernels);
+            world.make.level = level;
+            world.run(6000).unwrap();
+            assert!(world.contact_count() > 50, "{}", world.contact_count());
+            world.state_hash()
+        };
+        let wide = run(Kernels::Fused, Level::Avx512);
+        assert_eq!(wide, run(Kernels::Fused, Level::Avx2));
+        assert_ne!(wide, run(Kernels::Fastest, Level::Avx512));
     }
 }

@@ -63,16 +63,16 @@ impl PairKernel<'_> {
                 told: &mut [T],
             ) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.each_block::<super::avx::Wide, T>(pairs, told) }
+                unsafe { k.each_block::<super::avx::Wide<false>, T>(pairs, told) }
             }
-            #[target_feature(enable = "avx2,popcnt")]
+            #[target_feature(enable = "avx2,fma,popcnt")]
             unsafe fn avx2<T: ToldOfBlock>(
                 k: &PairKernel<'_>,
                 pairs: [&[[u32; 8]]; 2],
                 told: &mut [T],
             ) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.each_block::<super::avx::Pair, T>(pairs, told) }
+                unsafe { k.each_block::<super::avx::Pair<false>, T>(pairs, told) }
             }
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
             match level {

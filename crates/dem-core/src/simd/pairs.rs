@@ -5,7 +5,7 @@ use super::acting::{Acting, Room};
 use super::blocks::{Blocks, MOST, Two};
 use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
 use super::lanes::V3;
-use super::{Constants, Level};
+use super::{Arithmetic, Constants, Level};
 use crate::forces::ChunkYield;
 use crate::list::lowest_bits;
 use crate::particles::Record;
@@ -74,8 +74,7 @@ pub(crate) struct PairKernel<'a> {
     pub(crate) period: Option<crate::neighbour::Period>,
     pub(crate) dt: f64,
     pub(crate) overlap_limit: f64,
-    /// Whether roots may be off in the last places.
-    pub(crate) fast_roots: bool,
+    pub(crate) arithmetic: Arithmetic,
     pub(crate) features: Features,
 }
 
@@ -85,7 +84,7 @@ impl PairKernel<'_> {
         #[cfg(target_arch = "x86_64")]
         {
             #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
-            unsafe fn avx512<const FAST: bool, const MORE: bool>(
+            unsafe fn avx512<const FUSED: bool, const FAST: bool, const MORE: bool>(
                 k: &PairKernel<'_>,
                 run: &mut Run<'_>,
                 into: &mut ChunkYield,
@@ -93,13 +92,13 @@ impl PairKernel<'_> {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
                     let mut room = Room::EMPTY;
-                    let acting = k.acting::<super::avx::Wide>(run, &mut room);
-                    let done = k.blocks::<Two<super::avx::Wide>, FAST, MORE>(run, &acting, 0, into);
-                    k.blocks::<super::avx::Wide, FAST, MORE>(run, &acting, done, into);
+                    let acting = k.acting::<Wide<FUSED>>(run, &mut room);
+                    let done = k.blocks::<Two<Wide<FUSED>>, FAST, MORE>(run, &acting, 0, into);
+                    k.blocks::<Wide<FUSED>, FAST, MORE>(run, &acting, done, into);
                 }
             }
-            #[target_feature(enable = "avx2,popcnt")]
-            unsafe fn avx2<const MORE: bool>(
+            #[target_feature(enable = "avx2,fma,popcnt")]
+            unsafe fn avx2<const FUSED: bool, const MORE: bool>(
                 k: &PairKernel<'_>,
                 run: &mut Run<'_>,
                 into: &mut ChunkYield,
@@ -107,21 +106,26 @@ impl PairKernel<'_> {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
                     let mut room = Room::EMPTY;
-                    let acting = k.acting::<super::avx::Pair>(run, &mut room);
-                    k.blocks::<super::avx::Pair, false, MORE>(run, &acting, 0, into);
+                    let acting = k.acting::<Pair<FUSED>>(run, &mut room);
+                    k.blocks::<Pair<FUSED>, false, MORE>(run, &acting, 0, into);
                 }
             }
-            let more = self.features != Features::NONE;
+            use super::avx::{Pair, Wide};
+            let of = match (level, self.arithmetic, self.features != Features::NONE) {
+                (Level::Portable, ..) => return,
+                (Level::Avx512, Arithmetic::Exact, false) => avx512::<false, false, false>,
+                (Level::Avx512, Arithmetic::Exact, true) => avx512::<false, false, true>,
+                (Level::Avx512, Arithmetic::Fused, false) => avx512::<true, false, false>,
+                (Level::Avx512, Arithmetic::Fused, true) => avx512::<true, false, true>,
+                (Level::Avx512, Arithmetic::FastRoots, false) => avx512::<true, true, false>,
+                (Level::Avx512, Arithmetic::FastRoots, true) => avx512::<true, true, true>,
+                (Level::Avx2, Arithmetic::Exact, false) => avx2::<false, false>,
+                (Level::Avx2, Arithmetic::Exact, true) => avx2::<false, true>,
+                (Level::Avx2, _, false) => avx2::<true, false>,
+                (Level::Avx2, _, true) => avx2::<true, true>,
+            };
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
-            match (level, self.fast_roots, more) {
-                (Level::Avx512, false, false) => unsafe { avx512::<false, false>(self, run, into) },
-                (Level::Avx512, false, true) => unsafe { avx512::<false, true>(self, run, into) },
-                (Level::Avx512, true, false) => unsafe { avx512::<true, false>(self, run, into) },
-                (Level::Avx512, true, true) => unsafe { avx512::<true, true>(self, run, into) },
-                (Level::Avx2, _, false) => unsafe { avx2::<false>(self, run, into) },
-                (Level::Avx2, _, true) => unsafe { avx2::<true>(self, run, into) },
-                (Level::Portable, ..) => {}
-            }
+            unsafe { of(self, run, into) }
         }
         let _ = level;
     }
@@ -245,10 +249,11 @@ impl PairKernel<'_> {
         let deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
         let n = d * inverse;
         let dt = V::splat(self.dt);
-        let half = V::splat(0.5) * overlap;
-        let (lever_i, lever_j) = (ri - half, rj - half);
+        let half = V::splat(0.5);
+        let (lever_i, lever_j) = (ri.less_times(half, overlap), rj.less_times(half, overlap));
         let back = V::splat(0.25 * self.dt) * approach.dot(n);
-        let relative = approach + (wi * (lever_i + back) + wj * (lever_j + back)).cross(n);
+        let turning = wi.times_plus(lever_i + back, wj * (lever_j + back));
+        let relative = turning.cross_plus(n, approach);
         // Spheres alike: the same operations, once for all lanes.
         let (r_star, m_star) = match self.one_size {
             Some([r, m]) => (V::splat(r * r / (r + r)), V::splat(m * m / (m + m))),
@@ -258,7 +263,7 @@ impl PairKernel<'_> {
             normal: n,
             overlap,
             rate: end.dot(n),
-            slip: relative - n * relative.dot(n),
+            slip: relative.less_times(n, relative.dot(n)),
             spin_i: wi,
             spin_j: wj,
             lever_i,

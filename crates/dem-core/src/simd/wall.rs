@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::hertz_mindlin::{Laws, Motion, SLOTS, respond};
 use super::lanes::{Lanes, V3, fours};
 use super::pairs::{PairKernel, on_clump};
-use super::{Level, widened};
+use super::{Arithmetic, Level, widened};
 use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};
 use crate::list::lowest_bits;
@@ -111,17 +111,24 @@ impl PairKernel<'_> {
             || {
                 // SAFETY: the lists hold places of spheres.
                 #[cfg(target_arch = "x86_64")]
-                match (level, self.fast_roots) {
-                    (Level::Avx512, true) => unsafe {
-                        self.contacts::<super::avx::Wide, true>(placed, g);
-                    },
-                    (Level::Avx512, false) => unsafe {
-                        self.contacts::<super::avx::Wide, false>(placed, g);
-                    },
-                    (Level::Avx2, _) => unsafe {
-                        self.contacts::<super::avx::Pair, false>(placed, g);
-                    },
-                    (Level::Portable, _) => {}
+                unsafe {
+                    use super::avx::{Pair, Wide};
+                    match (level, self.arithmetic) {
+                        (Level::Avx512, Arithmetic::Exact) => {
+                            self.contacts::<Wide<false>, false>(placed, g);
+                        }
+                        (Level::Avx512, Arithmetic::Fused) => {
+                            self.contacts::<Wide<true>, false>(placed, g);
+                        }
+                        (Level::Avx512, Arithmetic::FastRoots) => {
+                            self.contacts::<Wide<true>, true>(placed, g);
+                        }
+                        (Level::Avx2, Arithmetic::Exact) => {
+                            self.contacts::<Pair<false>, false>(placed, g);
+                        }
+                        (Level::Avx2, _) => self.contacts::<Pair<true>, false>(placed, g),
+                        (Level::Portable, _) => {}
+                    }
                 }
             },
         );
@@ -184,16 +191,16 @@ impl PairKernel<'_> {
         let dt = V::splat(self.dt);
         let one = V::splat(1.0);
         let lever_i = near.distance;
-        let point = x + n * lever_i;
+        let point = n.times_plus(lever_i, x);
         let spin = splat::<V>(wall.mean_velocity.spin);
         let approach = V3::of(v) - velocity_at(&wall.mean_velocity, point);
         let back = V::splat(0.5 * self.dt) * approach.dot(n);
-        let relative = approach + (w * (lever_i + back)).cross(n);
+        let relative = (w * (lever_i + back)).cross_plus(n, approach);
         let motion = Motion {
             normal: n,
             overlap,
             rate: (end - velocity_at(&wall.velocity, point)).dot(n),
-            slip: relative - n * relative.dot(n),
+            slip: relative.less_times(n, relative.dot(n)),
             spin_i: w,
             spin_j: spin,
             lever_i,
@@ -268,7 +275,7 @@ fn splat<V: Lanes>(v: DVec3) -> V3<V> {
 /// `RigidVelocity::at`.
 #[inline(always)]
 fn velocity_at<V: Lanes>(v: &RigidVelocity, x: V3<V>) -> V3<V> {
-    splat::<V>(v.velocity) + splat::<V>(v.spin).cross(x - splat::<V>(v.point))
+    splat::<V>(v.spin).cross_plus(x - splat::<V>(v.point), splat::<V>(v.velocity))
 }
 
 /// Nearest points of a wall to eight spheres, of which only `valid` ones matter.
@@ -291,7 +298,7 @@ fn nearest<V: Lanes>(
             let normal = splat::<V>(c.normal);
             let d = x - splat(c.centre);
             let height = d.dot(normal);
-            let radial = d - normal * height;
+            let radial = d.less_times(normal, height);
             let rho_squared = radial.dot(radial);
             let beyond = V::splat(c.radius * c.radius).less(rho_squared)
                 | rho_squared.less(V::splat(c.hole_radius * c.hole_radius));
@@ -304,7 +311,7 @@ fn nearest<V: Lanes>(
         PlacedShape::Cylinder(c) if c.length.is_none() && c.side == Side::Inside => {
             let axis = splat::<V>(c.axis);
             let d = x - splat(c.point);
-            let radial = d - axis * d.dot(axis);
+            let radial = d.less_times(axis, d.dot(axis));
             let rho = radial.dot(radial).sqrt();
             if valid & !zero.less(rho) == 0 {
                 return Near {

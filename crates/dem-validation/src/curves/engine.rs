@@ -70,9 +70,10 @@ fn circle_error<I: Integrator>(scheme: I, steps: u32) -> f64 {
     let mut a = force(x);
     let mut memory = scheme.start(v, a, dt);
     for _ in 0..steps {
-        x += scheme.drift(v, a, &mut memory, dt).mean_velocity * dt;
+        let mean = scheme.drift(v, a, &mut memory, dt).mean_velocity;
+        x += mean * dt;
         let new = force(x);
-        v = scheme.kick(v, a, new, &mut memory, dt);
+        v = scheme.kick(v, mean, a, new, &mut memory, dt);
         a = new;
     }
     let (sin, cos) = 1f64.sin_cos();
