@@ -53,7 +53,8 @@ pub(crate) struct Task<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct Run {
     pub(crate) told: Told,
-    /// Processor time over wall time of the whole process; above 1 with several threads.
+    /// Processor time over wall time: of one thread the part of the time in which it could work that it had a processor (not
+    /// counted is what it sleeps, as LIGGGHTS does for a second while MPI starts); of several that of the whole process, above 1.
     pub(crate) busy: f64,
     /// Beads at the end.
     pub(crate) beads: Vec<Bead>,
@@ -161,6 +162,7 @@ pub(crate) fn deck_path(name: &str) -> anyhow::Result<PathBuf> {
 pub(crate) struct Started {
     child: Child,
     code: Code,
+    threads: usize,
     screen: PathBuf,
     dump: PathBuf,
     begun: Instant,
@@ -200,7 +202,7 @@ impl Installed {
         let (begun, processor_before) = (Instant::now(), processor_of_children());
         let child =
             command.spawn().with_context(|| format!("cannot start {}", self.program.display()))?;
-        Ok(Started { child, code: self.code, screen, dump, begun, processor_before })
+        Ok(Started { child, code: self.code, threads, screen, dump, begun, processor_before })
     }
 
     fn deck_arguments(
@@ -265,7 +267,14 @@ impl Installed {
 impl Started {
     /// Wait for the end and read what the code says.
     pub(crate) fn finish(mut self) -> anyhow::Result<Run> {
-        let status = self.child.wait()?;
+        let mut had = None;
+        let status = loop {
+            if let Some(status) = self.child.try_wait()? {
+                break status;
+            }
+            had = had_a_processor(self.child.id()).or(had);
+            std::thread::sleep(LOOK);
+        };
         let wall = self.begun.elapsed().as_secs_f64();
         let processor = processor_of_children() - self.processor_before;
         let screen = std::fs::read_to_string(&self.screen)?;
@@ -277,9 +286,25 @@ impl Started {
             Code::Tumble | Code::TumbleExact | Code::TumbleNoRolling => worker::read(&screen)?,
             _ => log::read(&screen)?,
         };
-        let busy = if processor > 0.0 { processor / wall } else { 1.0 };
+        let busy = match had {
+            Some(part) if self.threads == 1 => part,
+            _ if processor > 0.0 => processor / wall,
+            _ => 1.0,
+        };
         Ok(Run { told, busy, beads: exchange::read_dump(&self.dump)? })
     }
+}
+
+/// Time between two looks at a running process.
+const LOOK: std::time::Duration = std::time::Duration::from_millis(20);
+
+/// Of the time in which the first thread of a process could work the part in which it had a processor, where the system
+/// tells: the first two numbers of `schedstat`, time on a processor and time in its queue.
+fn had_a_processor(process: u32) -> Option<f64> {
+    let text = std::fs::read_to_string(format!("/proc/{process}/schedstat")).ok()?;
+    let mut numbers = text.split_whitespace().map_while(|n| n.parse::<f64>().ok());
+    let (worked, waited) = (numbers.next()?, numbers.next()?);
+    (worked > 0.0).then(|| worked / (worked + waited))
 }
 
 /// Processor time of all processes that this one has waited for, s; 0 where the system does not
