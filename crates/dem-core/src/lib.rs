@@ -42,6 +42,7 @@
 pub use glam;
 
 pub mod body_force;
+mod body_run;
 mod body_stage;
 pub mod builder;
 mod clump_stage;

@@ -10,7 +10,8 @@
 //! Several threads go so in several strips (`strips.rs`). Few bodies, those near where strips meet, have to wait
 //! until all strips are done: the wrenches on them are kept, and a last stage finishes them.
 
-use crate::body_stage::{Columns, Drift, Kick, Piece, Run, cut_bodies};
+use crate::body_run::{Columns, Run, cut_bodies};
+use crate::body_stage::{Drift, Kick, Piece};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::{CHUNK, Touching, all_contacts, touching_pairs};
 use crate::error::Error;

@@ -7,20 +7,20 @@ use crate::scenes::{Model, Random, cloud, model, one_material};
 use crate::{Check, Held};
 
 /// Relative change of the mechanical energy of an elastic, frictionless box of eight spheres, every
-/// 10 000 of a million steps.
-pub(crate) fn elastic_box() -> Vec<(f64, f64)> {
+/// 10 000 of a million steps of `dt`, s.
+pub(crate) fn elastic_box(seed: u64, dt: f64) -> Vec<(f64, f64)> {
     let law = ContactModel {
         normal: model(0.0, 1.0, 0.0).normal,
         tangential: Frictionless,
         rolling: FreeRolling,
         cohesion: Cohesionless,
     };
-    let (mut b, m) = one_material(1e-5, law);
+    let (mut b, m) = one_material(dt, law);
     for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
         b.wall(Wall::plane(axis * -0.01, axis, m));
         b.wall(Wall::plane(axis * 0.01, -axis, m));
     }
-    let mut random = Random(5);
+    let mut random = Random(seed);
     for k in 0..8 {
         let corner = DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
         b.sphere(Sphere::at((corner - 0.5) * 8e-3, 2e-3, m).with_velocity(random.vector()));
@@ -131,13 +131,27 @@ pub fn cases() -> Vec<Check> {
         reason: "a bound; contacts of some 30 steps err by 1e-4 with random sign, ten thousand of them may walk to a percent",
         source: "velocity Verlet is symplectic: no drift, only a walk",
     };
-    let worst = elastic_box().iter().map(|p| p.1.abs()).fold(0.0, f64::max);
-    let mut checks = vec![DRIFT.at_most(
-        "elastic, frictionless box of 8 spheres, 1e6 steps",
-        "largest change of energy, relative",
-        0.01,
-        worst,
-    )];
+    const FALLS: Held = Held {
+        tolerance: 0.0,
+        reason: "a bound; a contact errs by the square of the step, so half the step and half the time leave 4 times the root of 2 less, where a drift of first order leaves a quarter",
+        source: DRIFT.source,
+    };
+    // One box walks where chance takes it: of 24 the median is 0.8 percent, seven go beyond one.
+    let typical = |dt: f64| {
+        let worst = move |seed| elastic_box(seed, dt).iter().map(|p| p.1.abs()).fold(0.0, f64::max);
+        let mut all: Vec<f64> = std::thread::scope(|scope| {
+            let boxes: Vec<_> = (5..12).map(|seed| scope.spawn(move || worst(seed))).collect();
+            boxes.into_iter().map(|b| b.join().unwrap_or(f64::NAN)).collect()
+        });
+        all.sort_by(f64::total_cmp);
+        all[all.len() / 2]
+    };
+    let (whole, half) = (typical(1e-5), typical(5e-6));
+    let case = "elastic, frictionless boxes of 8 spheres, 1e6 steps, median of seven";
+    let mut checks = vec![
+        DRIFT.at_most(case, "largest change of energy, relative", 0.01, whole),
+        FALLS.at_least(case, "the same with a step over that with half of it", 4.5, whole / half),
+    ];
     ledger(&mut checks);
     grazing(&mut checks);
     checks

@@ -33,7 +33,9 @@ pub(crate) use worker::{Worker, run as run_worker};
 const SEED: u64 = 1;
 
 /// How Tumble computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Mode {
     /// Every operation rounded by itself: `Kernels::Fastest`.

@@ -139,8 +139,13 @@ impl Scene {
     /// Let beads fall from a lattice and the drum turn for `steps` steps.
     pub(crate) fn settled(&self, seed: u64, steps: u64) -> anyhow::Result<Vec<Bead>> {
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let mut world =
-            self.world(&self.lattice(seed)?, threads, 0.25 * BEAD_RADIUS_M, ROLLING, Kernels::Fastest)?;
+        let mut world = self.world(
+            &self.lattice(seed)?,
+            threads,
+            0.25 * BEAD_RADIUS_M,
+            ROLLING,
+            Kernels::Fastest,
+        )?;
         world.run(steps)?;
         Ok(beads_of(&world))
     }

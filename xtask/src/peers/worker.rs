@@ -9,9 +9,9 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::code::Task;
-use super::{Mode, exchange};
 use super::log::Told;
 use super::scene::{ROLLING, Scene, beads_of};
+use super::{Mode, exchange};
 
 /// Looks at the contacts during the timed run, as in the decks.
 const LOOKS: u64 = 10;

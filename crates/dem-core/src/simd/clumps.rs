@@ -21,9 +21,9 @@ pub(crate) trait OnBodies: Sized {
             #[inline(always)]
             || match level {
                 #[cfg(target_arch = "x86_64")]
-                Level::Avx512 => self.eights::<super::avx::Wide<false>>(),
+                Level::Avx512 => self.eights::<super::avx512::Wide<false>>(),
                 #[cfg(target_arch = "x86_64")]
-                Level::Avx2 => self.eights::<super::avx::Pair<false>>(),
+                Level::Avx2 => self.eights::<super::avx2::Pair<false>>(),
                 _ => self.one_by_one(),
             },
         );

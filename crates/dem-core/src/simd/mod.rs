@@ -8,12 +8,15 @@
 
 mod acting;
 mod avx;
+mod avx2;
+mod avx512;
 mod blocks;
 mod clumps;
 mod hertz_mindlin;
 mod lanes;
 mod near;
 mod pairs;
+mod records;
 mod wall;
 
 use std::any::Any;
@@ -227,8 +230,8 @@ pub(crate) fn in_reach(
     };
     #[cfg(target_arch = "x86_64")]
     match level {
-        Level::Avx512 => return reach::<avx::Wide<false>>(own, [x, y, z, r], gaps, period),
-        Level::Avx2 => return reach::<avx::Pair<false>>(own, [x, y, z, r], gaps, period),
+        Level::Avx512 => return reach::<avx512::Wide<false>>(own, [x, y, z, r], gaps, period),
+        Level::Avx2 => return reach::<avx2::Pair<false>>(own, [x, y, z, r], gaps, period),
         Level::Portable => {}
     }
     let _ = level;
@@ -277,8 +280,8 @@ pub(crate) fn on_records<W: RecordWork>(level: Level, work: W) -> W::Yield {
             level,
             #[inline(always)]
             || match level {
-                Level::Avx512 => work.run::<avx::Four, avx::Eight>(),
-                _ => work.run::<avx::Four, avx::Four>(),
+                Level::Avx512 => work.run::<records::Four, records::Eight>(),
+                _ => work.run::<records::Four, records::Four>(),
             },
         );
     }
@@ -330,7 +333,7 @@ mod tests {
             widened(
                 Level::Avx512,
                 #[inline(always)]
-                || avx::Wide::<false>::load(&x).reciprocal_root().store(&mut y),
+                || avx512::Wide::<false>::load(&x).reciprocal_root().store(&mut y),
             );
             for (x, y) in x.iter().zip(y) {
                 worst = worst.max((y * x.sqrt() - 1.0).abs());

@@ -63,7 +63,7 @@ impl PairKernel<'_> {
                 told: &mut [T],
             ) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.each_block::<super::avx::Wide<false>, T>(pairs, told) }
+                unsafe { k.each_block::<super::avx512::Wide<false>, T>(pairs, told) }
             }
             #[target_feature(enable = "avx2,fma,popcnt")]
             unsafe fn avx2<T: ToldOfBlock>(
@@ -72,7 +72,7 @@ impl PairKernel<'_> {
                 told: &mut [T],
             ) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.each_block::<super::avx::Pair<false>, T>(pairs, told) }
+                unsafe { k.each_block::<super::avx2::Pair<false>, T>(pairs, told) }
             }
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
             match level {

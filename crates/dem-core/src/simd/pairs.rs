@@ -110,7 +110,8 @@ impl PairKernel<'_> {
                     k.blocks::<Pair<FUSED>, false, MORE>(run, &acting, 0, into);
                 }
             }
-            use super::avx::{Pair, Wide};
+            use super::avx2::Pair;
+            use super::avx512::Wide;
             let of = match (level, self.arithmetic, self.features != Features::NONE) {
                 (Level::Portable, ..) => return,
                 (Level::Avx512, Arithmetic::Exact, false) => avx512::<false, false, false>,

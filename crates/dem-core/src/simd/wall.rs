@@ -112,7 +112,8 @@ impl PairKernel<'_> {
                 // SAFETY: the lists hold places of spheres.
                 #[cfg(target_arch = "x86_64")]
                 unsafe {
-                    use super::avx::{Pair, Wide};
+                    use super::avx2::Pair;
+                    use super::avx512::Wide;
                     match (level, self.arithmetic) {
                         (Level::Avx512, Arithmetic::Exact) => {
                             self.contacts::<Wide<false>, false>(placed, g);

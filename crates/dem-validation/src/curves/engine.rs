@@ -25,7 +25,7 @@ pub(super) fn plots() -> Vec<Plot> {
             caption: "Relative change over a million steps, some 30 steps a contact: a walk, no drift.",
             x: Axis::linear("steps"),
             y: Axis::linear("change of energy, relative"),
-            curves: vec![Curve::line("ours", engine_energy::elastic_box())],
+            curves: vec![Curve::line("ours", engine_energy::elastic_box(5, 1e-5))],
         },
         Plot {
             group: "engine_energy",

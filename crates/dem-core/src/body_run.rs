@@ -1,0 +1,151 @@
+//! A run of bodies, column by column.
+
+use crate::integrate::Integrator;
+use crate::particles::{Bodies, Record};
+use crate::simd::Quad;
+use crate::threads::{Chunks, cut};
+
+/// A run of bodies.
+pub(crate) struct Run<'a> {
+    /// Place of the first.
+    pub(crate) begin: usize,
+    pub(crate) position: &'a mut [Record],
+    pub(crate) velocity: &'a mut [Record],
+    pub(crate) spin: &'a mut [Record],
+    pub(crate) acceleration: &'a mut [Record],
+    pub(crate) angular: &'a mut [Record],
+    pub(crate) mean_velocity: &'a mut [Record],
+    pub(crate) end_velocity: &'a mut [Record],
+    pub(crate) mean_spin: &'a mut [Record],
+    pub(crate) linear: &'a mut [Record],
+    pub(crate) turn: &'a mut [Record],
+}
+
+/// The records of a run of bodies: those that contacts read first, in the order of [`cut_bodies`].
+pub(crate) type Columns<'a> = [&'a mut [Record]; 10];
+
+/// Cut the bodies into runs of `size`.
+pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 10] {
+    [
+        &mut b.position,
+        &mut b.mean_velocity,
+        &mut b.mean_spin,
+        &mut b.end_velocity,
+        &mut b.velocity,
+        &mut b.spin,
+        &mut b.acceleration,
+        &mut b.angular_acceleration,
+        &mut b.linear_memory,
+        &mut b.angular_memory,
+    ]
+    .map(|column| cut(column, size))
+}
+
+impl<'a> Run<'a> {
+    /// The run that begins at place `begin`, of its columns in the order of [`cut_bodies`].
+    #[inline(always)]
+    pub(crate) fn of(begin: usize, columns: Columns<'a>) -> Self {
+        let [
+            position,
+            mean_velocity,
+            mean_spin,
+            end_velocity,
+            velocity,
+            spin,
+            acceleration,
+            angular,
+            linear,
+            turn,
+        ] = columns;
+        Run {
+            begin,
+            position,
+            velocity,
+            spin,
+            acceleration,
+            angular,
+            mean_velocity,
+            end_velocity,
+            mean_spin,
+            linear,
+            turn,
+        }
+    }
+
+    /// How many bodies.
+    pub(crate) fn count(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Move all back by what they have moved last.
+    pub(crate) fn undo_drift(&mut self, dt: f64) {
+        for (x, v) in self.position.iter_mut().zip(&*self.mean_velocity) {
+            x.add(v.vector() * -dt);
+        }
+    }
+
+    /// Accelerations that were not kept when spheres moved on, to rounding.
+    pub(crate) fn recall_accelerations(&mut self, dt: f64) {
+        let run = self.even();
+        for k in 0..run.position.len() {
+            let mean = run.mean_velocity[k].vector();
+            let a = (mean - run.velocity[k].vector()) * (2.0 / dt);
+            run.acceleration[k].set(a);
+            let mean = run.mean_spin[k].vector();
+            let a = (mean - run.spin[k].vector()) * (2.0 / dt);
+            run.angular[k].set(a);
+        }
+    }
+
+    /// Some of them.
+    #[inline(always)]
+    pub(crate) fn some(&mut self, own: std::ops::Range<usize>) -> Run<'_> {
+        Run {
+            begin: self.begin + own.start,
+            position: &mut self.position[own.clone()],
+            velocity: &mut self.velocity[own.clone()],
+            spin: &mut self.spin[own.clone()],
+            acceleration: &mut self.acceleration[own.clone()],
+            angular: &mut self.angular[own.clone()],
+            mean_velocity: &mut self.mean_velocity[own.clone()],
+            end_velocity: &mut self.end_velocity[own.clone()],
+            mean_spin: &mut self.mean_spin[own.clone()],
+            linear: self.linear.get_mut(own.clone()).unwrap_or_default(),
+            turn: &mut self.turn[own],
+        }
+    }
+
+    /// The same run, its slices cut to one length that the compiler knows to be one.
+    #[inline(always)]
+    pub(crate) fn even(&mut self) -> Run<'_> {
+        let n = self.position.len();
+        Run {
+            begin: self.begin,
+            position: &mut self.position[..n],
+            velocity: &mut self.velocity[..n],
+            spin: &mut self.spin[..n],
+            acceleration: &mut self.acceleration[..n],
+            angular: &mut self.angular[..n],
+            mean_velocity: &mut self.mean_velocity[..n],
+            end_velocity: &mut self.end_velocity[..n],
+            mean_spin: &mut self.mean_spin[..n],
+            linear: &mut *self.linear,
+            turn: &mut self.turn[..n],
+        }
+    }
+}
+
+/// What the integrator remembers, if it does.
+#[inline(always)]
+pub(crate) fn recall<Q: Quad, I: Integrator>(records: &[Record], k: usize) -> Q {
+    Q::load(if I::REMEMBERS { &records[k] } else { &Record::ZERO })
+}
+
+/// Keep what the integrator remembers, if it does.
+#[inline(always)]
+pub(crate) fn remember<Q: Quad, I: Integrator>(records: &mut [Record], k: usize, memory: Q) {
+    if I::REMEMBERS {
+        let record = &mut records[k];
+        memory.with_scalar_of(Q::load(record)).store(record);
+    }
+}

@@ -1,0 +1,244 @@
+//! The lanes of AVX-512.
+#![cfg(target_arch = "x86_64")]
+
+use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::avx::{pack_fours, put_quad, quad, sums_at};
+use super::lanes::{Lanes, Numbers};
+
+/// Eight lanes of one AVX-512 register, whose products are rounded before they are added unless `FUSED`.
+#[derive(Clone, Copy)]
+pub(super) struct Wide<const FUSED: bool>(__m512d);
+
+macro_rules! wide {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl<const FUSED: bool> $trait for Wide<FUSED> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                // SAFETY: values of this type exist only where AVX-512 was detected.
+                Self(unsafe { $op(self.0, o.0) })
+            }
+        }
+    };
+}
+wide!(Add, add, _mm512_add_pd);
+wide!(Sub, sub, _mm512_sub_pd);
+wide!(Mul, mul, _mm512_mul_pd);
+wide!(Div, div, _mm512_div_pd);
+
+impl<const FUSED: bool> Neg for Wide<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+    }
+}
+
+/// Quads `k` and `k + 4` of eight, side by side.
+///
+/// # Safety
+/// AVX-512 is there and the numbers of every quad can be read.
+#[inline(always)]
+unsafe fn rows(from: *const f64, p: &[u32; 8], k: usize) -> __m512d {
+    // SAFETY: by the caller.
+    unsafe {
+        let low = _mm512_castpd256_pd512(quad(from, p[k]));
+        _mm512_insertf64x4::<1>(low, quad(from, p[k + 4]))
+    }
+}
+
+/// Rows of eight quads from their fields: `k` and `k + 4` side by side.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+unsafe fn rows_of<const FUSED: bool>([x, y, z, w]: [Wide<FUSED>; 4]) -> [__m512d; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (xy, xy2) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+        let (zw, zw2) = (_mm512_unpacklo_pd(z.0, w.0), _mm512_unpackhi_pd(z.0, w.0));
+        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+        [
+            _mm512_permutex2var_pd(xy, low, zw),
+            _mm512_permutex2var_pd(xy2, low, zw2),
+            _mm512_permutex2var_pd(xy, high, zw),
+            _mm512_permutex2var_pd(xy2, high, zw2),
+        ]
+    }
+}
+
+/// Add force and torque to the sum of a sphere.
+///
+/// # Safety
+/// AVX-512 is there and the sum can be written.
+#[inline(always)]
+unsafe fn add_wide(to: *mut f64, at: u32, wrench: __m512d) {
+    // SAFETY: by the caller; sums lie at multiples of 64.
+    unsafe {
+        let sum = to.add(at as usize);
+        _mm512_store_pd(sum, _mm512_add_pd(_mm512_load_pd(sum), wrench));
+    }
+}
+
+/// Fields of eight records from four pairs of rows: two rounds of exchanges.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+unsafe fn columns<const FUSED: bool>([a, b, c, d]: [__m512d; 4]) -> [Wide<FUSED>; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (xz, yw) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+        let (xz2, yw2) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));
+        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+        [
+            Wide(_mm512_permutex2var_pd(xz, low, xz2)),
+            Wide(_mm512_permutex2var_pd(yw, low, yw2)),
+            Wide(_mm512_permutex2var_pd(xz, high, xz2)),
+            Wide(_mm512_permutex2var_pd(yw, high, yw2)),
+        ]
+    }
+}
+
+// SAFETY of all blocks below: values exist only where AVX-512 was detected; references to arrays
+// of eight numbers are valid for the unaligned loads and stores.
+impl<const FUSED: bool> Numbers for Wide<FUSED> {
+    type Mask = u8;
+    const FUSED: bool = FUSED;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self(unsafe { _mm512_set1_pd(x) })
+    }
+    #[inline(always)]
+    fn times_plus(self, factor: Self, o: Self) -> Self {
+        if FUSED {
+            Self(unsafe { _mm512_fmadd_pd(self.0, factor.0, o.0) })
+        } else {
+            self * factor + o
+        }
+    }
+    #[inline(always)]
+    fn times_less(self, factor: Self, o: Self) -> Self {
+        if FUSED {
+            Self(unsafe { _mm512_fmsub_pd(self.0, factor.0, o.0) })
+        } else {
+            self * factor - o
+        }
+    }
+    #[inline(always)]
+    fn less_times(self, a: Self, b: Self) -> Self {
+        if FUSED { Self(unsafe { _mm512_fnmadd_pd(a.0, b.0, self.0) }) } else { self - a * b }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(unsafe { _mm512_sqrt_pd(self.0) })
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        // 14 bits from the table; each Newton step y += y (1 - x y^2) / 2 squares the error:
+        // 6e-5, 5e-9, 4e-17, so rounding is left.
+        unsafe {
+            let (half, one) = (_mm512_set1_pd(0.5), _mm512_set1_pd(1.0));
+            let mut y = _mm512_rsqrt14_pd(self.0);
+            for _ in 0..2 {
+                let error = _mm512_fnmadd_pd(_mm512_mul_pd(self.0, y), y, one);
+                y = _mm512_fmadd_pd(_mm512_mul_pd(y, half), error, y);
+            }
+            Self(y)
+        }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(unsafe { _mm512_abs_pd(self.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(unsafe { _mm512_max_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(unsafe { _mm512_min_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> u8 {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(self, mask: u8, other: Self) -> Self {
+        Self(unsafe { _mm512_mask_blend_pd(mask, other.0, self.0) })
+    }
+}
+
+// SAFETY: as above.
+impl<const FUSED: bool> Lanes for Wide<FUSED> {
+    #[inline(always)]
+    fn load(from: &[f64; 8]) -> Self {
+        Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64; 8]) {
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    unsafe fn quads(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
+        unsafe {
+            let (a, b) = (rows(from, p, 0), rows(from, p, 1));
+            columns([a, b, rows(from, p, 2), rows(from, p, 3)])
+        }
+    }
+    #[inline(always)]
+    unsafe fn put_quads(fields: [Self; 4], to: *mut f64, p: &[u32; 8]) {
+        unsafe {
+            for (k, v) in rows_of(fields).into_iter().enumerate() {
+                put_quad(to, p[k], _mm512_castpd512_pd256(v));
+                put_quad(to, p[k + 4], _mm512_extractf64x4_pd::<1>(v));
+            }
+        }
+    }
+    #[inline(always)]
+    unsafe fn add_wrenches(
+        [f, ti, tj]: [[Self; 4]; 3],
+        to: *mut f64,
+        within: u32,
+        first: &[u32; 8],
+        second: &[u32; 8],
+    ) {
+        unsafe {
+            let (first, second) = (sums_at(within, first), sums_at(within, second));
+            let (f, ti, tj) = (rows_of(f), rows_of(ti), rows_of(tj));
+            let opposite = _mm512_setr_pd(-0.0, -0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0);
+            // In the order of the list: rows 0 to 3 hold the first four contacts in their lower halves.
+            for k in 0..4 {
+                let on_second = _mm512_shuffle_f64x2::<0x44>(f[k], tj[k]);
+                add_wide(to, first[k], _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
+                add_wide(to, second[k], _mm512_xor_pd(on_second, opposite));
+            }
+            for k in 0..4 {
+                let on_second = _mm512_shuffle_f64x2::<0xEE>(f[k], tj[k]);
+                add_wide(to, first[k + 4], _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
+                add_wide(to, second[k + 4], _mm512_xor_pd(on_second, opposite));
+            }
+        }
+    }
+    #[inline(always)]
+    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+        unsafe { pack_fours(places, order, to) }
+    }
+    #[inline(always)]
+    unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
+        unsafe {
+            columns([
+                _mm512_sub_pd(rows(from, of, 0), rows(from, less, 0)),
+                _mm512_sub_pd(rows(from, of, 1), rows(from, less, 1)),
+                _mm512_sub_pd(rows(from, of, 2), rows(from, less, 2)),
+                _mm512_sub_pd(rows(from, of, 3), rows(from, less, 3)),
+            ])
+        }
+    }
+}
