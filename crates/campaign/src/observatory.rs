@@ -80,6 +80,9 @@ impl Observatory {
                 Layer::Physics => {}
             }
         }
+        if rig.settings.given("camera.focal_length_mm").is_none() {
+            film.camera = film.camera.close_up(rig.drum.radius_m);
+        }
         let diameter_m = match rig.particles.shape {
             Shape::Sphere(s) => s.diameter_m,
             Shape::RingTablet(t) => 2.0 * (t.ring_radius_m + t.sphere_radius_m),

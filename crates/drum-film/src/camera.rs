@@ -95,12 +95,33 @@ impl Default for Camera {
     }
 }
 
+/// Radius of the drum that the usual lens suits, m.
+const USUAL_RADIUS_M: f64 = 0.125;
+
 impl Camera {
     /// The same camera with another number of pixels on the same sensor width.
     #[must_use]
     pub fn with_size(mut self, width_px: u32, height_px: u32) -> Self {
         self.width_px = width_px;
         self.height_px = height_px;
+        self
+    }
+
+    /// The same camera with a lens that shows a drum of radius `radius_m` no smaller than the usual one shows a drum of 250 mm from
+    /// 0.8 m: 0.23 of the picture's width to the radius. Perspective goes with the distance, not with the lens.
+    ///
+    /// ```
+    /// use drum_film::Camera;
+    /// let near = Camera { distance_m: 0.5, ..Camera::default() };
+    /// // 35 mm x (0.125 / 0.05) x (0.5 / 0.8).
+    /// assert!((near.clone().close_up(0.05).focal_length_mm - 54.69).abs() < 0.01);
+    /// assert_eq!(near.close_up(0.125).focal_length_mm, 35.0);
+    /// ```
+    #[must_use]
+    pub fn close_up(mut self, radius_m: f64) -> Self {
+        let usual = Self::default();
+        let share = usual.focal_length_mm / usual.distance_m * USUAL_RADIUS_M;
+        self.focal_length_mm = self.focal_length_mm.max(share * self.distance_m / radius_m);
         self
     }
 

@@ -181,14 +181,15 @@ pub struct Scene {
 impl Scene {
     /// The usual scene about a drum of another size.
     ///
-    /// Hub and nut keep their share of the radius, a tenth, which lies within what readers of pictures leave out: a hub of one size would
-    /// hide the bed of a small drum. Ring and plate stay as they are.
+    /// Everything keeps its share of the radius: a hub of one size, which readers of pictures leave out, would hide the bed of a small drum, and a ring of one width
+    /// is two edges in its small picture, of which either may be taken for the drum's.
     ///
     /// ```
     /// use drum_film::{Drum, Scene};
     ///
     /// let small = Scene::about(Drum { radius_m: 0.05, ..Drum::default() });
     /// assert!((small.hub.radius_m - 0.0052).abs() < 1e-12);
+    /// assert!((small.ring.width_m - 0.002).abs() < 1e-12);
     /// ```
     pub fn about(drum: Drum) -> Self {
         let usual = Self::default();
@@ -198,7 +199,8 @@ impl Scene {
             nut_radius_m: share * usual.hub.nut_radius_m,
             ..usual.hub
         };
-        Self { drum, hub, ..usual }
+        let ring = Ring { width_m: share * usual.ring.width_m, ..usual.ring };
+        Self { drum, ring, hub, plate_radius_m: share * usual.plate_radius_m, ..usual }
     }
 }
 

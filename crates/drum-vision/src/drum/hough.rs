@@ -84,22 +84,21 @@ pub fn find_circles(
         }
     }
     let power = blurred_power(&re, &im, w, h);
-    let mut found: Vec<HoughCircle> = Vec::new();
     let mut peaks: Vec<usize> = (0..power.len()).filter(|&k| is_peak(&power, w, h, k)).collect();
     peaks.sort_by(|&a, &b| power[b].total_cmp(&power[a]).then(a.cmp(&b)));
-    for &k in peaks.iter().take(8 * count) {
-        if power[k] < 0.05 * power[peaks[0]] || found.len() >= count {
-            break;
-        }
-        let (x, y) = ((k % w) as f64, (k / w) as f64);
-        if found.iter().any(|c| (c.x - x).hypot(c.y - y) < 0.15 * r_min) {
-            continue;
-        }
-        if let Some(circle) = radius_at(&edges, x, y, range, contrast) {
+    let circle = |&k: &usize| radius_at(&edges, (k % w) as f64, (k / w) as f64, range, contrast);
+    let strong = peaks.iter().take(8 * count).take_while(|&&k| power[k] >= 0.05 * power[peaks[0]]);
+    let mut all: Vec<HoughCircle> = strong.filter_map(circle).collect();
+    all.sort_by(|a, b| b.support.total_cmp(&a.support));
+    // By support, not by power: normals of a coarse mask spread the votes, and a peak beside the centre may be higher than
+    // the one in it.
+    let mut found: Vec<HoughCircle> = Vec::new();
+    for circle in all {
+        let apart = |c: &HoughCircle| (c.x - circle.x).hypot(c.y - circle.y) >= 0.15 * r_min;
+        if found.len() < count && found.iter().all(apart) {
             found.push(circle);
         }
     }
-    found.sort_by(|a, b| b.support.total_cmp(&a.support));
     found
 }
 

@@ -47,7 +47,7 @@ pub const CAMERA: &[Parameter] = &[
         range: (5.0, 500.0),
         sign: Sign::Either,
         layer: Layer::Camera,
-        meaning: "focal length of the lens",
+        meaning: "focal length of the lens; unless it is given, longer for a small drum, which is shown as large as one of 250 mm from 0.8 m",
     },
     Parameter {
         path: "camera.scale",

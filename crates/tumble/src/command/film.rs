@@ -19,6 +19,9 @@ pub(crate) fn run(args: &FilmArgs) -> anyhow::Result<()> {
     for (parameter, value) in &args.settings {
         film.set(parameter, *value)?;
     }
+    if !args.settings.iter().any(|(parameter, _)| parameter == "camera.focal_length_mm") {
+        film.camera = film.camera.close_up(args.drum_radius);
+    }
     let studio = film.studio()?;
     let rows = positions(&args.positions)?;
     let folder = output::folder(args.out.as_deref(), "film")?;
