@@ -7,10 +7,11 @@ use campaign::plan::{Campaign, Event, RowOutcome, RowState, RunOptions, Simulate
 
 use crate::small::{campaign, run, with};
 
-/// Two drums seen from two distances.
+/// Two drums seen from two distances, for so long that what these change stands out.
 fn plan() -> String {
     with("factors.run.speed_rpm = [50.0, 70.0]", "factors.camera.distance_m = [0.1, 0.2]")
         .replace("[0.2, 0.5, 0.8]", "[0.2, 0.8]")
+        .replace("frames = 4", "frames = 24")
 }
 
 fn shown(campaign: &Campaign, index: u64) -> Simulated {
