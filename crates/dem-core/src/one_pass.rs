@@ -19,12 +19,12 @@ use crate::forces::{ChunkYield, Contacts};
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::particles::Record;
-use crate::simd::{Level, PairKernel, Wrenches, on_records, widened};
+use crate::simd::{Level, PairKernel, Wrenches, fetch, on_records, widened};
 use crate::spheres::SphereView;
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
 use crate::sums::{Collect, PIECE, Pull, Ring};
-use crate::threads::{Cut, InTurn, Runs, chosen, cut};
+use crate::threads::{Cut, InTurn, Runs, View, chosen, cut};
 use crate::world::{BodyYield, Kept, Scratch, StripYield, World, sphere_view};
 
 /// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
@@ -41,9 +41,16 @@ struct Pass<'a, M, I> {
     bodies: usize,
     kick: &'a Kick<'a, M>,
     drift: &'a Drift<'a>,
+    /// Velocities, spins and places when the list was made, of a bed that no cache holds.
+    far: Option<[View<'a, Record>; 3]>,
     /// Whether two overlap too deeply already.
     deep: bool,
 }
+
+/// Bodies above which what is needed next is asked for before it is.
+const FAR: usize = 30_000;
+/// How many bodies before.
+const AHEAD: usize = 192;
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Whether a step goes in one pass: where every body is one sphere and nobody books energies, and the
@@ -130,6 +137,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 bodies: count,
                 kick: &kick,
                 drift: &drift,
+                far: (count > FAR).then(|| [view(4), view(5), drift.reference.into()]),
                 deep,
             };
             let near_begin = pairs.near_begin;
@@ -211,6 +219,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         let (pairs, slots) = (self.pairs, self.pairs.slots);
         let (own, all) = (bodies.left(), chunks.left());
         let (mut piece, mut reach) = (own.start, 0);
+        let mut asked = [0; 2];
         let mut into = StripYield { deep: self.deep, ..StripYield::default() };
         for chunk in all.start..=all.end {
             let begin = chunk * CHUNK;
@@ -223,6 +232,18 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             } else {
                 own.end.max(reach.div_ceil(PIECE))
             };
+            if let Some(own) = self.far {
+                let s = &self.context.spheres;
+                let (touched, finished) =
+                    ((reach + AHEAD).min(self.bodies), (frontier * PIECE + AHEAD).min(self.bodies));
+                for records in [s.position, s.mean_velocity, s.mean_spin, s.end_velocity] {
+                    fetch(records, asked[0].max(reach.saturating_sub(AHEAD))..touched);
+                }
+                for records in own {
+                    fetch(records, asked[1].max(finished.saturating_sub(2 * AHEAD))..finished);
+                }
+                asked = [touched, finished];
+            }
             while piece < frontier {
                 let begin = piece * PIECE;
                 let sums = ring.piece(begin, PIECE.min(self.bodies - begin));

@@ -34,6 +34,7 @@ use crate::contact::rolling::{AbsoluteSpin, ConstantTorque, FreeRolling, Rolling
 use crate::contact::tangential::{Mindlin, MindlinTotalSpring};
 use crate::neighbour::Period;
 use crate::particles::Record;
+use crate::threads::View;
 
 /// Instruction set that a world's kernels use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -261,6 +262,20 @@ fn reach<V: lanes::Lanes>(
     let (d2, both) = (d.dot(d), V::splat(own.w) + V::load(r));
     let (range, margin) = (both + V::splat(gaps[0]), both + V::splat(gaps[1]));
     [d2.less(range * range), d2.less(margin * margin)]
+}
+
+/// Ask the memory for records that are needed soon.
+#[inline(always)]
+pub(crate) fn fetch(records: View<'_, Record>, places: std::ops::Range<usize>) {
+    #[cfg(target_arch = "x86_64")]
+    for place in places.step_by(2) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        debug_assert!(place < records.len());
+        // SAFETY: nothing is read; a line of the cache holds two records.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(records.as_ptr().wrapping_add(place).cast()) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (records, places);
 }
 
 /// Work on records that is written once for all instruction sets.
