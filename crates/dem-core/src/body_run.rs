@@ -84,13 +84,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Accelerations that were not kept when spheres moved on, to rounding.
-    pub(crate) fn recall_accelerations(&mut self, dt: f64) {
+    /// Velocities and accelerations that were not kept when spheres moved on, to rounding: the mean velocity of the step to
+    /// come lies half-way between the velocity at its beginning and that foretold for its end.
+    pub(crate) fn recall(&mut self, dt: f64) {
         let run = self.even();
         for k in 0..run.position.len() {
-            let mean = run.mean_velocity[k].vector();
-            let a = (mean - run.velocity[k].vector()) * (2.0 / dt);
-            run.acceleration[k].set(a);
+            let (mean, end) = (run.mean_velocity[k].vector(), run.end_velocity[k].vector());
+            run.velocity[k].set(2.0 * mean - end);
+            run.acceleration[k].set((end - mean) * (2.0 / dt));
             let mean = run.mean_spin[k].vector();
             let a = (mean - run.spin[k].vector()) * (2.0 / dt);
             run.angular[k].set(a);
@@ -137,7 +138,7 @@ impl<'a> Run<'a> {
 
 /// What the integrator remembers, if it does.
 #[inline(always)]
-pub(crate) fn recall<Q: Quad, I: Integrator>(records: &[Record], k: usize) -> Q {
+pub(crate) fn remembered<Q: Quad, I: Integrator>(records: &[Record], k: usize) -> Q {
     Q::load(if I::REMEMBERS { &records[k] } else { &Record::ZERO })
 }
 

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::body_run::{Run, cut_bodies, recall, remember};
+use crate::body_run::{Run, cut_bodies, remember, remembered};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::CHUNK;
 use crate::energy::Flow;
@@ -163,14 +163,13 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 }
 
 impl<M: ContactLaw, I: Integrator> World<M, I> {
-    /// Accelerations of the last step, where they were not kept, to rounding.
-    pub(crate) fn recall_accelerations(&mut self) {
+    /// Velocities and accelerations of the last step, where they were not kept, to rounding.
+    pub(crate) fn recall(&mut self) {
         if I::FROM_MEAN && self.make.shapes.is_empty() {
             let dt = self.make.dt;
             let count = self.state.bodies.id.len().div_ceil(CHUNK);
             let columns = cut_bodies(&mut self.state.bodies, CHUNK);
-            self.team
-                .each(count, columns, |_, columns| Run::of(0, columns).recall_accelerations(dt));
+            self.team.each(count, columns, |_, columns| Run::of(0, columns).recall(dt));
         }
     }
 }
@@ -220,13 +219,13 @@ impl<M> Kick<'_, M> {
             if dt == 0.0 {
                 continue;
             }
-            let mut memory = recall::<Q, I>(run.linear, k);
+            let mut memory = remembered::<Q, I>(run.linear, k);
             let (velocity, mean) = (Q::load(&run.velocity[k]), Q::load(&run.mean_velocity[k]));
             let v = integrator.kick(velocity, mean, old, new, &mut memory, dt);
             v.with_scalar_of(velocity).store(&mut run.velocity[k]);
             remember::<Q, I>(run.linear, k, memory);
             if moment > 0.0 {
-                let mut memory = recall::<Q, I>(run.turn, k);
+                let mut memory = remembered::<Q, I>(run.turn, k);
                 let (spin, mean) = (Q::load(&run.spin[k]), Q::load(&run.mean_spin[k]));
                 let w = integrator.kick(spin, mean, old_turn, new_turn, &mut memory, dt);
                 w.with_scalar_of(spin).store(&mut run.spin[k]);
@@ -241,14 +240,14 @@ impl<M> Kick<'_, M> {
 }
 
 impl<M> Kick<'_, M> {
-    /// Whether nobody reads the accelerations: where all bodies are spheres and no energies are booked.
+    /// Whether nobody reads velocities and accelerations between steps: where all bodies are spheres and no energies are booked.
     fn moves_spheres_on(&self) -> bool {
         self.make.shapes.is_empty() && !self.ledger && self.dt > 0.0
     }
 
     /// [`Kick::bodies`] and [`Drift::bodies`] at once for schemes that need nothing of the first half but mean velocities:
-    /// two of ten records a body are left alone, a quarter of what goes through the cache. What the accelerations
-    /// are follows from what is kept ([`Run::recall_accelerations`]).
+    /// three of ten records a body are left alone, a third of what goes through the cache. What velocities and accelerations
+    /// are follows from what is kept ([`Run::recall`]); the last step of a run keeps them.
     #[inline(always)]
     fn and_drift<Q: Quad, W: Quads, I: Integrator>(
         &self,
@@ -263,7 +262,7 @@ impl<M> Kick<'_, M> {
         if let Some(drag) = &self.make.drag {
             for (k, sum) in sums.iter_mut().enumerate().take(count) {
                 let v = run.end_velocity[k].vector();
-                let resistance = drag.force(run.velocity[k].w, run.position[k].w, v);
+                let resistance = drag.force(run.mean_velocity[k].w, run.position[k].w, v);
                 sum.force.add(resistance);
                 flow.drag -= resistance.dot(v);
             }
@@ -295,11 +294,9 @@ impl<M> Kick<'_, M> {
         for k in bodies.step_by(W::COUNT) {
             // The sums are zero again for whose turn comes next.
             let [force, torque] = W::take(&mut sums[k..]);
-            let old = W::load_some(&run.velocity[k..]);
             let mean = W::load_some(&run.mean_velocity[k..]);
-            let a = force.over_scalars_of(old) + gravity;
-            let v = integrator.kick(old, mean, none, a, &mut { none }, dt);
-            v.with_scalars_of(old).store_some(&mut run.velocity[k..]);
+            let a = force.over_scalars_of(mean) + gravity;
+            let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
             let d = integrator.drift(v, a, &mut { none }, dt);
             d.mean_velocity.with_scalars_of(mean).store_some(&mut run.mean_velocity[k..]);
             let end = W::load_some(&run.end_velocity[k..]);
@@ -343,7 +340,7 @@ impl Drift<'_> {
         let reference = &self.reference[run.begin..run.begin + run.position.len()];
         let run = run.even();
         for (k, r) in reference.iter().enumerate().take(run.position.len()) {
-            let mut memory = recall::<Q, I>(run.linear, k);
+            let mut memory = remembered::<Q, I>(run.linear, k);
             let (v, a) = (Q::load(&run.velocity[k]), Q::load(&run.acceleration[k]));
             let d = integrator.drift(v, a, &mut memory, dt);
             remember::<Q, I>(run.linear, k, memory);
@@ -356,7 +353,7 @@ impl Drift<'_> {
             d.end_velocity.with_scalar_of(old).store(&mut run.end_velocity[k]);
             // A clump has no single moment of inertia: it turns elsewhere.
             if run.spin[k].w > 0.0 {
-                let mut memory = recall::<Q, I>(run.turn, k);
+                let mut memory = remembered::<Q, I>(run.turn, k);
                 let (w, a) = (Q::load(&run.spin[k]), Q::load(&run.angular[k]));
                 let d = integrator.drift(w, a, &mut memory, dt);
                 remember::<Q, I>(run.turn, k, memory);

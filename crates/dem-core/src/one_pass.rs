@@ -41,8 +41,8 @@ struct Pass<'a, M, I> {
     bodies: usize,
     kick: &'a Kick<'a, M>,
     drift: &'a Drift<'a>,
-    /// Velocities, spins and places when the list was made, of a bed that no cache holds.
-    far: Option<[View<'a, Record>; 3]>,
+    /// Spins and places when the list was made, of a bed that no cache holds.
+    far: Option<[View<'a, Record>; 2]>,
     /// Whether two overlap too deeply already.
     deep: bool,
 }
@@ -137,7 +137,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 bodies: count,
                 kick: &kick,
                 drift: &drift,
-                far: (count > FAR).then(|| [view(4), view(5), drift.reference.into()]),
+                far: (count > FAR).then(|| [view(5), drift.reference.into()]),
                 deep,
             };
             let near_begin = pairs.near_begin;
@@ -185,7 +185,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 let mut run = Run::of(0, columns);
                 run.undo_drift(dt);
                 if I::FROM_MEAN {
-                    run.recall_accelerations(dt);
+                    run.recall(dt);
                 }
             });
             self.state.forces_stale = true;

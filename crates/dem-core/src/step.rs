@@ -45,7 +45,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if moved_far || self.walls_moved_far() {
             let made = self.make_list();
             if made.is_err() && drifted.is_some() {
-                self.recall_accelerations();
+                self.recall();
             }
             made?;
         }

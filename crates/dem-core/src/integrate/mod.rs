@@ -56,8 +56,9 @@ pub trait Integrator: Copy + Send + Sync + 'static {
     /// First half: from the state at the beginning of the step.
     fn drift<V: Vector>(&self, velocity: V, acceleration: V, memory: &mut V, dt: f64) -> Drift<V>;
 
-    /// Whether the second half asks for nothing of the first but its mean velocity, and the scheme remembers nothing: then
-    /// steps that follow each other at once need no accelerations of bodies between them.
+    /// Whether the second half asks for nothing of the first but its mean velocity, half-way between the velocity at the beginning
+    /// and the one foretold for the end, and the scheme remembers nothing: then steps that follow each other at once need neither
+    /// velocities nor accelerations of bodies between them.
     const FROM_MEAN: bool = false;
 
     /// Second half: the velocity at the end of the step, from that at its beginning, the mean that
