@@ -32,9 +32,6 @@ pub(crate) enum InputError {
     /// Something that a table of simulated responses cannot answer.
     #[error("{what} needs simulations; expected a case with [simulator.rig]")]
     NeedsRig { what: &'static str },
-    /// A folder without pictures.
-    #[error("{path} holds no picture; expected PNG, JPEG, TIFF or BMP files")]
-    NoPictures { path: String },
     /// A row of a table of positions.
     #[error(
         "{path}, line {line}: {problem}; expected frame,x,y,z,radius with a whole number and four finite lengths, m"

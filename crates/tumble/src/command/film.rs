@@ -9,7 +9,10 @@ use crate::input::InputError;
 use crate::output;
 
 /// Frames of the preview strip.
-const PREVIEW: usize = 6;
+const SHOWN: usize = 6;
+
+/// The picture that shows them, beside the frames.
+pub(crate) const PREVIEW: &str = "preview.png";
 
 pub(crate) fn run(args: &FilmArgs) -> anyhow::Result<()> {
     let path = args.positions.display().to_string();
@@ -37,7 +40,7 @@ pub(crate) fn run(args: &FilmArgs) -> anyhow::Result<()> {
         picture.save_with_format(&staged, drum_film::image::ImageFormat::Png)?;
         std::fs::rename(&staged, folder.join(name))?;
         let small = drum_film::image::imageops::thumbnail(&picture, 480, 320);
-        if preview.len() < PREVIEW {
+        if preview.len() < SHOWN {
             preview.push(small.clone());
         }
         if args.gif {
@@ -50,7 +53,7 @@ pub(crate) fn run(args: &FilmArgs) -> anyhow::Result<()> {
         return Err(InputError::Position { path, line: 1, problem: "no rows".to_owned() }.into());
     }
     let strip = contact_sheet(&preview, preview.len().min(3) as u32)?;
-    strip.save(folder.join("preview.png"))?;
+    strip.save(folder.join(PREVIEW))?;
     if args.gif {
         let mut file = std::io::BufWriter::new(std::fs::File::create(folder.join("film.gif"))?);
         drum_film::gif::write_gif(&all, 100, &mut file)?;

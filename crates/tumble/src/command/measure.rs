@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use drum_vision::decode::list_frames;
 use drum_vision::overlay::{Tile, contact_sheet, overlay, write_png};
-use drum_vision::{RegionSidecar, SeriesReport, VisionConfig, measure_series};
+use drum_vision::{RegionSidecar, SeriesReport, VisionConfig, VisionError, measure_series};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::MeasureArgs;
+use crate::command::film::PREVIEW;
 use crate::input::{self, InputError};
 use crate::output;
 
 /// Side of a picture on the contact sheet, pixels, and pictures in a row.
 const TILE: (usize, usize) = (320, 6);
-
-const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp"];
 
 pub(crate) fn run(args: &MeasureArgs) -> anyhow::Result<()> {
     let mut config = match &args.config {
@@ -89,28 +89,20 @@ pub(crate) fn run(args: &MeasureArgs) -> anyhow::Result<()> {
     }
 }
 
-/// The files named, and the pictures in the folders named, each folder sorted.
-fn pictures(named: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
+/// The files named, and the frames in the folders named, each folder sorted.
+fn pictures(named: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut all = Vec::new();
     for path in named {
         if !path.is_dir() {
             all.push(path.clone());
             continue;
         }
-        let shown = || path.display().to_string();
-        let list = std::fs::read_dir(path)
-            .map_err(|source| InputError::Unreadable { path: shown(), source })?;
-        let mut found: Vec<PathBuf> = list
-            .filter_map(|entry| Some(entry.ok()?.path()))
-            .filter(|p| {
-                let kind = p.extension().map(|e| e.to_string_lossy().to_lowercase());
-                kind.is_some_and(|k| PICTURES.contains(&k.as_str()))
-            })
-            .collect();
+        // In the order of their numbers; what `tumble film` wrote to be looked at is no frame.
+        let mut found = list_frames(path)?;
+        found.retain(|p| p.file_name().is_none_or(|name| name != PREVIEW));
         if found.is_empty() {
-            return Err(InputError::NoPictures { path: shown() });
+            return Err(VisionError::NoFrames { what: path.display().to_string() }.into());
         }
-        found.sort();
         all.extend(found);
     }
     Ok(all)

@@ -130,6 +130,10 @@ fn film_draws_a_picture_for_every_frame_of_a_table() {
     // The spheres sink from frame to frame.
     assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
     assert!(open("preview.png").width() > 0);
+    // It is no frame: what is measured is what was filmed, whether or not a bed is found in five spheres.
+    let out = tumble(folder.path(), &["measure", "o", "--out", "m"]);
+    let said = String::from_utf8_lossy(&out.stdout).into_owned() + &stderr(&out);
+    assert!(said.contains("frame_00000") && !said.contains("preview"), "{said}");
 
     std::fs::write(folder.path().join("positions.csv"), "frame,x,y,z,radius\n0,0,zero,0,0.01\n")
         .expect("written");
