@@ -122,9 +122,13 @@ pub(crate) fn outcome(
             };
             names.retain(|n| !refuted.contains(&n) && ran(n));
         }
-        let best = tried.iter().position(stands).unwrap_or(0);
-        for (k, (_, model)) in tried.into_iter().enumerate() {
-            if k == best {
+        // Of those that stand the one that its fresh runs bear out best goes first and is what is compared with the base.
+        let borne_out = |t: &(String, Fresh)| if stands(t) { t.1.side.errors.p_all } else { 0.0 };
+        let best = (0..tried.len())
+            .reduce(|a, b| if borne_out(&tried[b]) > borne_out(&tried[a]) { b } else { a });
+        for (k, (name, model)) in tried.into_iter().enumerate() {
+            if Some(k) == best {
+                names.sort_by_key(|n| *n != name);
                 after = Some(model);
             } else {
                 others.push(model.side);

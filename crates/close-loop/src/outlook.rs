@@ -80,7 +80,7 @@ impl State<'_> {
                     }
                 };
                 if stands {
-                    limit = limit.min(fit.deviance + settings.class_deviance());
+                    limit = limit.min(fit.deviance + settings.rival_deviance());
                 }
             }
         }

@@ -169,6 +169,12 @@ pub struct Settings {
     /// Likelihood ratio to the best effect within which an effect belongs to its class; members beyond
     /// those that hold all but one part in so many of the class's likelihood are left out.
     pub class_ratio: f64,
+    /// The same for a class that has fewer than [`Settings::few_members`]: those that are less likely still join it, best first,
+    /// until it has so many. Where errors are as stated it may equal [`Settings::class_ratio`]; where models are made of few runs
+    /// likelihoods say more than is known.
+    pub few_ratio: f64,
+    /// Members up to which [`Settings::few_ratio`] counts.
+    pub few_members: usize,
     /// Whitened cosine above which two signatures count as collinear.
     pub class_cosine: f64,
     /// Most pairs that may explain the data equally well and still be named, where they have no member in common.
@@ -184,6 +190,11 @@ impl Settings {
     pub fn class_deviance(&self) -> f64 {
         2.0 * self.class_ratio.ln()
     }
+
+    /// Deviance beyond the best effect's at which an effect is out of every class.
+    pub fn rival_deviance(&self) -> f64 {
+        2.0 * self.few_ratio.max(self.class_ratio).ln()
+    }
 }
 
 impl Default for Settings {
@@ -198,6 +209,8 @@ impl Default for Settings {
             prior_unknown: 0.1,
             prior_pairs: 0.1,
             class_ratio: 20.0,
+            few_ratio: 20.0,
+            few_members: 3,
             class_cosine: 0.95,
             most_pairs: 3,
             power: 0.9,

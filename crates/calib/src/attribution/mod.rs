@@ -141,8 +141,10 @@ impl Attribution<'_> {
         if !(mass < 1.0) {
             return setting("prior_none + prior_unknown + prior_pairs", mass, "below 1");
         }
-        if !(s.class_ratio >= 1.0 && s.class_ratio.is_finite()) {
-            return setting("class_ratio", s.class_ratio, "1 or more");
+        for (name, ratio) in [("class_ratio", s.class_ratio), ("few_ratio", s.few_ratio)] {
+            if !(ratio >= 1.0 && ratio.is_finite()) {
+                return setting(name, ratio, "1 or more");
+            }
         }
         if !(s.class_cosine > 0.0 && s.class_cosine <= 1.0) {
             return setting("class_cosine", s.class_cosine, "above 0, at most 1");

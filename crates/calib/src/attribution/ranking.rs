@@ -243,7 +243,8 @@ pub(super) fn decide<'s>(
     }
     sort(&mut singles);
     let name = |k: usize| case.attribution.candidates[k].name.clone();
-    let class = class_of(&singles, settings.class_ratio, |a, b| a.behind(b));
+    let few = (settings.few_members, settings.few_ratio);
+    let class = class_of(&singles, settings.class_ratio, few, |a, b| a.behind(b));
     let mut pairs = Vec::new();
     let verdict = if screen.gate.passes {
         Verdict::None
@@ -255,7 +256,7 @@ pub(super) fn decide<'s>(
         pairs = fit_pairs(case, base, &singles, &folds)?;
         // There are so many that some fit for want of runs: these are charged for it.
         let charged = |a: &Judged<'_>, b: &Judged<'_>| a.deviance() - b.deviance();
-        let class = class_of(&pairs, settings.class_ratio, charged);
+        let class = class_of(&pairs, settings.class_ratio, (0, 1.0), charged);
         let members: Vec<&[usize]> = class.iter().map(|i| &pairs[*i].of[..]).collect();
         if are_named(&members, settings.most_pairs) {
             let both = |i: &usize| [name(pairs[*i].of[0]), name(pairs[*i].of[1])];
@@ -275,19 +276,33 @@ pub(super) fn sort(judged: &mut [Judged<'_>]) {
 }
 
 /// The best that is eligible, and those that explain the data as well: within the ratio of it by how far they are
-/// `behind`, and of these no more than hold all but one part in `ratio` of the likelihood together.
+/// `behind`, and of these no more than hold all but one part in `ratio` of the likelihood together. As long as these are
+/// fewer than `few.0` those within the ratio `few.1` count as well.
 fn class_of(
     judged: &[Judged<'_>],
     ratio: f64,
+    few: (usize, f64),
     behind: impl Fn(&Judged<'_>, &Judged<'_>) -> f64,
 ) -> Vec<usize> {
     let Some(winner) = judged.iter().position(|j| j.eligible) else { return Vec::new() };
-    let likelihood = |i: usize| (-0.5 * behind(&judged[i], &judged[winner])).exp();
-    let also = |i: &usize| judged[*i].explains && likelihood(*i) * ratio >= 1.0;
-    let mut class: Vec<usize> = (0..judged.len()).filter(also).collect();
-    class.sort_by_key(|i| (*i != winner, *i));
-    let likelihoods: Vec<f64> = class.iter().map(|i| likelihood(*i)).collect();
-    class.truncate(holding(&likelihoods, ratio));
+    let mut all: Vec<usize> = (0..judged.len()).filter(|i| judged[*i].explains).collect();
+    all.sort_by_key(|i| (*i != winner, *i));
+    let likelihood = |i: &usize| (-0.5 * behind(&judged[*i], &judged[winner])).exp();
+    let likelihoods: Vec<f64> = all.iter().map(likelihood).collect();
+    members(&likelihoods, ratio, few).into_iter().map(|k| all[k]).collect()
+}
+
+/// Places of a class's members, likelihoods of all in order.
+fn members(likelihoods: &[f64], ratio: f64, few: (usize, f64)) -> Vec<usize> {
+    let within =
+        |ratio: f64| (0..likelihoods.len()).filter(move |k| likelihoods[*k] * ratio >= 1.0);
+    let close: Vec<f64> = within(ratio).map(|k| likelihoods[k]).collect();
+    let mut class: Vec<usize> = within(ratio).take(holding(&close, ratio)).collect();
+    for other in within(few.1) {
+        if class.len() < few.0 && !class.contains(&other) {
+            class.push(other);
+        }
+    }
     class
 }
 
@@ -390,5 +405,16 @@ mod tests {
         assert_eq!(holding(&[1.0, 0.37, 0.08, 0.05], 20.0), 3);
         assert_eq!(holding(&[1.0; 4], 20.0), 4);
         assert_eq!(holding(&[], 20.0), 0);
+    }
+
+    #[test]
+    fn a_class_of_few_takes_in_who_is_less_likely() {
+        let likelihoods = [1.0, 0.03, 0.2, 0.01, 0.001];
+        assert_eq!(members(&likelihoods, 20.0, (3, 20.0)), [0, 2]);
+        assert_eq!(members(&likelihoods, 20.0, (3, 200.0)), [0, 2, 1]);
+        assert_eq!(members(&likelihoods, 20.0, (5, 200.0)), [0, 2, 1, 3]);
+        assert_eq!(members(&[1.0; 4], 20.0, (3, 200.0)), [0, 1, 2, 3]);
+        assert_eq!(members(&likelihoods, 20.0, (0, 1.0)), [0, 2]);
+        assert!(members(&[], 20.0, (3, 200.0)).is_empty());
     }
 }
