@@ -40,8 +40,8 @@ pub struct LoopSettings {
 }
 
 /// Likelihood ratio within which an effect joins a class of fewer than three. By formulas, whose errors are as stated, the truth was in
-/// 197 of 198 answers that asked for 20. Surfaces made of few runs say more than they know: of sealed drums whose effect was in the catalogue and
-/// was not named it stood 80 and 180 times behind the winner in two, both with runs unspent.
+/// 197 of 198 answers that asked for 20. Surfaces made of few runs say more than they know: in two sealed drums whose effect was in the catalogue
+/// and was not named it stood 80 and 180 times behind the winner, with runs unspent.
 const FEW_RATIO: f64 = 200.0;
 
 impl Default for LoopSettings {
