@@ -250,8 +250,11 @@ fn cannot_act(rig: &Rig, path: &str) -> Option<&'static str> {
         "axis.inclination_deg" if periodic => Some("the ends are periodic"),
         "shape.aspect_ratio" if tablet => Some("the form of a tablet is given"),
         "wall_layer.thickness_m" if rig.drum.liner.is_some() => Some("the drum has a liner"),
-        _ if group == "cohesion" && rig.contact.cohesion != Cohesion::None => {
-            Some("the rig has cohesion already")
+        // The law of the effect itself, with the strength that the rig gives it, or none, is no other law.
+        _ if group == "cohesion"
+            && !matches!(rig.contact.cohesion, Cohesion::None | Cohesion::SimplifiedJkr) =>
+        {
+            Some("the rig has cohesion by another law")
         }
         _ => None,
     }
@@ -311,6 +314,7 @@ fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
     let amplitude = |gamma: f64| gamma * G / (std::f64::consts::TAU * 50.0).powi(2);
     let own = |path: &str, or: f64| rig.settings.value(path).unwrap_or(or);
     let rolling = own("rolling.pp", 0.0);
+    let cohesion = own("cohesion.energy_density_j_m3", 0.0);
     let mantle = own("friction.mantle", 0.5);
     let plate = own("friction.end_plate", mantle);
     let restitution = own("restitution.pp", 0.8);
@@ -354,8 +358,8 @@ fn drafts(rig: &Rig) -> Vec<Draft<'static>> {
         ),
         physics(
             "cohesion.energy_density_j_m3",
-            [energy(1.5), energy(4.0)],
-            (0.0, energy(15.0)),
+            [cohesion + energy(1.5), cohesion + energy(4.0)],
+            (0.0, cohesion + energy(15.0)),
             &[],
             Needs::Cohesion(Cohesion::SimplifiedJkr),
             "larger beads of the same material, or a dried bed",
@@ -527,6 +531,25 @@ g = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e6 }}
                 .iter()
                 .any(|(p, why)| p == "friction.end_plate" && why.contains("periodic"))
         );
+    }
+
+    #[test]
+    fn a_rig_that_names_the_law_of_cohesion_can_lack_cohesion() {
+        let effect = |law: Cohesion, strength: f64| {
+            let mut rig = rig("turning");
+            rig.contact.cohesion = law;
+            if strength > 0.0 {
+                rig.settings.set("cohesion.energy_density_j_m3", strength).unwrap();
+            }
+            let all = Catalogue::of(&rig, &[]).effects;
+            all.into_iter().find(|e| e.path == "cohesion.energy_density_j_m3")
+        };
+        let bare = effect(Cohesion::None, 0.0).unwrap();
+        assert_eq!(effect(Cohesion::SimplifiedJkr, 0.0), Some(bare.clone()));
+        let given = effect(Cohesion::SimplifiedJkr, 5e3).unwrap();
+        assert_eq!((given.null, given.range.0), (5e3, 0.0));
+        assert_eq!(given.probes, bare.probes.map(|p| p + 5e3));
+        assert_eq!(effect(Cohesion::Jkr, 0.0), None);
     }
 
     #[test]
