@@ -1,9 +1,12 @@
 //! The camera and the reader of one rig.
 
+use std::sync::OnceLock;
+
 use drum_film::image::RgbImage;
 use drum_film::{Drum, Film, Scene, Studio};
 use drum_rig::{Options, Sampled};
-use drum_vision::config::Definition;
+use drum_vision::config::{CircleSource, Definition};
+use drum_vision::drum::detect::{Drum as FoundDrum, detect_drum};
 use drum_vision::series::{SeriesReport, summarise};
 use drum_vision::{Context, Frame, VisionConfig, measure_frame};
 use rig_schema::{Layer, Rig, Shape, namespace};
@@ -45,6 +48,8 @@ pub struct Observatory {
     film: Film,
     studio: Studio,
     vision: VisionConfig,
+    /// The drum as the reader finds it in the empty scene: camera and ring stand still, so that no frame shows another.
+    found: OnceLock<Option<FoundDrum>>,
     resolution: Resolution,
     exposure_s: f64,
     radius_m: f64,
@@ -93,6 +98,7 @@ impl Observatory {
             studio: film.studio()?,
             film,
             vision,
+            found: OnceLock::new(),
             resolution,
             exposure_s: rig.settings.value("exposure.seconds").unwrap_or(0.0),
             radius_m: rig.drum.radius_m,
@@ -164,27 +170,38 @@ impl Observatory {
         Ok((Observed { speed_rpm: footage.speed_rpm, report, preview }, edem))
     }
 
+    /// The drum of every frame; `None` where the reader finds none in the empty scene.
+    fn drum(&self) -> Option<&FoundDrum> {
+        let find = || {
+            let empty = frame_of(&self.studio.empty_frame(0)).ok()?;
+            detect_drum(&empty, &self.vision.drum, None).ok()
+        };
+        self.found.get_or_init(find).as_ref()
+    }
+
     fn look(
         &self,
         footage: &Footage,
         definitions: &[Definition],
     ) -> Result<(Vec<SeriesReport>, Vec<RgbImage>), CampaignError> {
+        let context = Context { reference: self.drum(), region: None };
         let mut readers = Vec::new();
         for &definition in definitions {
             let mut vision = self.vision.clone();
             vision.rig.speed_rpm = Some(footage.speed_rpm);
             vision.response.definition = definition;
+            if context.reference.is_some() {
+                vision.drum.source = CircleSource::Reference { path: "the empty drum".into() };
+            }
             readers.push((vision, Vec::new()));
         }
         let mut preview = Vec::new();
         let every = footage.frames.len().div_ceil(PREVIEW).max(1);
         for index in 0..footage.frames.len() {
             let picture = self.frame(footage, index)?;
-            let (width, height) = picture.dimensions();
-            let frame = Frame::from_rgb(width as usize, height as usize, picture.as_raw().clone())
-                .ok_or(CampaignError::Picture { width, height })?;
+            let frame = frame_of(&picture)?;
             for (vision, outcomes) in &mut readers {
-                let found = measure_frame(&frame, vision, Context::default());
+                let found = measure_frame(&frame, vision, context);
                 outcomes.push((format!("frame_{index:04}"), found));
             }
             if index % every == 0 {
@@ -194,4 +211,11 @@ impl Observatory {
         let reports = readers.into_iter().map(|(vision, found)| summarise(found, &vision));
         Ok((reports.collect(), preview))
     }
+}
+
+/// A picture as the reader takes it.
+fn frame_of(picture: &RgbImage) -> Result<Frame, CampaignError> {
+    let (width, height) = picture.dimensions();
+    Frame::from_rgb(width as usize, height as usize, picture.as_raw().clone())
+        .ok_or(CampaignError::Picture { width, height })
 }

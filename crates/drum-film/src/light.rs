@@ -53,6 +53,8 @@ impl Default for Light {
 pub(crate) struct Lamp {
     light: Light,
     direction: DVec3,
+    /// The exponent where it is a whole number.
+    whole: Option<i32>,
 }
 
 impl Light {
@@ -81,7 +83,9 @@ impl Light {
     }
 
     pub(crate) fn lamp(&self) -> Lamp {
-        Lamp { light: *self, direction: self.direction.normalize_or(DVec3::Z) }
+        let n = self.shininess;
+        let whole = (n.fract() == 0.0 && n.abs() <= 1024.0).then_some(n as i32);
+        Lamp { light: *self, direction: self.direction.normalize_or(DVec3::Z), whole }
     }
 
     /// Multiplies the picture by the gradient.
@@ -111,7 +115,12 @@ impl Lamp {
         let mut reflex = 0.0;
         if light.specular > 0.0 && cos > 0.0 {
             let mirrored = 2.0 * cos * n - self.direction;
-            reflex = (light.specular * mirrored.dot(to_eye).max(0.0).powf(light.shininess)) as f32;
+            let along = mirrored.dot(to_eye).max(0.0);
+            let spot = match self.whole {
+                Some(n) => along.powi(n),
+                None => along.powf(light.shininess),
+            };
+            reflex = (light.specular * spot) as f32;
         }
         color.map(|v| v * body + reflex)
     }

@@ -90,14 +90,36 @@ struct Placed {
     r2: f64,
     near: f64,
     index: u32,
+    color: Color,
     /// First and last column and row whose centres may lie within half a pixel of the outline.
     columns: (u32, u32),
     rows: (u32, u32),
 }
 
+impl Placed {
+    /// Where rays of one height meet the sphere, in the coordinate across; `None` where none does.
+    ///
+    /// In perspective the discriminant `(b0 + x cx)^2 - (a0 + x^2) (|c|^2 - r^2)` is a parabola in x that opens downwards where the
+    /// camera lies outside of the sphere's tangent planes across, which is where its outline is an ellipse.
+    fn chord<const PERSPECTIVE: bool>(&self, y: f64) -> Option<(f64, f64)> {
+        if !PERSPECTIVE {
+            let half2 = self.r2 - (y - self.c.y).powi(2);
+            return (half2 > 0.0).then(|| (self.c.x - half2.sqrt(), self.c.x + half2.sqrt()));
+        }
+        let (b0, a0) = (y * self.c.y + self.c.z, y * y + 1.0);
+        let cc = self.c.length_squared() - self.r2;
+        let (p, q, s) = (cc - self.c.x * self.c.x, b0 * self.c.x, b0 * b0 - a0 * cc);
+        if p <= 0.0 {
+            return Some((f64::NEG_INFINITY, f64::INFINITY));
+        }
+        let root = q * q + p * s;
+        (root > 0.0).then(|| ((q - root.sqrt()) / p, (q + root.sqrt()) / p))
+    }
+}
+
 /// Draws spheres into an empty layer.
 pub(crate) fn draw(view: &View, spheres: &[Sphere], paint: &Paint<'_>) -> Result<Layer, Error> {
-    let mut placed = place(view, spheres)?;
+    let mut placed = place(view, spheres, paint.color)?;
     placed.sort_by(|a, b| a.near.total_cmp(&b.near).then(a.index.cmp(&b.index)));
     let tiles_x = view.width_px.div_ceil(TILE);
     let tiles_y = view.height_px.div_ceil(TILE);
@@ -118,14 +140,18 @@ pub(crate) fn draw(view: &View, spheres: &[Sphere], paint: &Paint<'_>) -> Result
         for (tx, bin) in bins.iter().enumerate() {
             if !bin.is_empty() {
                 tile.fill(view, tx as u32 * TILE, ty as u32 * TILE, &placed, bin);
-                tile.paint(view, &placed, spheres, paint, rows);
+                tile.paint(view, &placed, paint, rows);
             }
         }
     });
     Ok(Layer { pixels })
 }
 
-fn place(view: &View, spheres: &[Sphere]) -> Result<Vec<Placed>, Error> {
+fn place(
+    view: &View,
+    spheres: &[Sphere],
+    color: &(dyn Fn(usize, &Sphere) -> Color + Sync),
+) -> Result<Vec<Placed>, Error> {
     let mut placed = Vec::with_capacity(spheres.len());
     for (index, s) in spheres.iter().enumerate() {
         if !(s.center.is_finite() && s.radius_m.is_finite() && s.radius_m > 0.0) {
@@ -159,7 +185,8 @@ fn place(view: &View, spheres: &[Sphere]) -> Result<Vec<Placed>, Error> {
         let columns = pixels(view.center_px.x + left, view.center_px.x + right, view.width_px);
         let rows = pixels(view.center_px.y - up, view.center_px.y - down, view.height_px);
         if let (Some(columns), Some(rows)) = (columns, rows) {
-            placed.push(Placed { c, r2: r * r, near, index: index as u32, columns, rows });
+            let (r2, color) = (r * r, color(index, s));
+            placed.push(Placed { c, r2, near, index: index as u32, color, columns, rows });
         }
     }
     Ok(placed)
@@ -237,7 +264,15 @@ impl Tile {
         let x0 = (self.coordinate(self.u0, 0) - view.center_px.x) * inverse * unit;
         for j in j0..j1 {
             let y = -(self.coordinate(self.v0, j) - view.center_px.y) * inverse * unit;
+            let Some((left, right)) = p.chord::<PERSPECTIVE>(y) else { continue };
+            // A point more at either end, for rounding.
+            let point = |x: f64| ((x - x0) / step).clamp(i0 as f64, i1 as f64);
+            let (i0, i1) = (point(left) as usize, (point(right + 2.0 * step) as usize).min(i1));
             let depth = &mut self.depth[j * self.side + i0..j * self.side + i1];
+            // What is nearer all along hides it.
+            if depth.iter().fold(0.0, |far, d| if *d > far { *d } else { far }) <= p.near {
+                continue;
+            }
             let winner = &mut self.winner[j * self.side + i0..j * self.side + i1];
             if PERSPECTIVE {
                 // Conditions as comparisons on whole rows, so that the loop runs in lanes.
@@ -268,20 +303,28 @@ impl Tile {
         }
     }
 
-    fn paint(
-        &self,
-        view: &View,
-        placed: &[Placed],
-        spheres: &[Sphere],
-        paint: &Paint<'_>,
-        rows: &mut [[f32; 4]],
-    ) {
+    fn paint(&self, view: &View, placed: &[Placed], paint: &Paint<'_>, rows: &mut [[f32; 4]]) {
         let n = self.samples;
         let weight = 1.0 / (n * n) as f32;
         let columns = (view.width_px - self.u0).min(TILE) as usize;
         let row_count = (view.height_px - self.v0).min(TILE) as usize;
         for row in 0..row_count {
             for column in 0..columns {
+                let target = &mut rows[row * view.width_px as usize + self.u0 as usize + column];
+                let first = self.winner[row * n * self.side + column * n];
+                let mut points = (row * n..(row + 1) * n).flat_map(|j| {
+                    self.winner[j * self.side + column * n..j * self.side + (column + 1) * n].iter()
+                });
+                if points.all(|&k| k == first) {
+                    // A pixel on one sphere alone shows the shade in its middle.
+                    if first != NONE {
+                        let (u, v) = (f64::from(self.u0), f64::from(self.v0));
+                        let (u, v) = (u + column as f64, v + row as f64);
+                        let c = shade(view, u, v, &placed[first as usize], paint);
+                        *target = [c[0], c[1], c[2], 1.0];
+                    }
+                    continue;
+                }
                 let mut sum = [0.0_f32; 4];
                 for j in row * n..(row + 1) * n {
                     let line = j * self.side;
@@ -300,8 +343,7 @@ impl Tile {
                         let u =
                             0.5 * (self.coordinate(self.u0, i) + self.coordinate(self.u0, end - 1));
                         let v = self.coordinate(self.v0, j);
-                        let p = &placed[k as usize];
-                        let c = shade(view, u, v, p, spheres, paint);
+                        let c = shade(view, u, v, &placed[k as usize], paint);
                         let w = weight * (end - i) as f32;
                         for q in 0..3 {
                             sum[q] += w * c[q];
@@ -310,16 +352,15 @@ impl Tile {
                         i = end;
                     }
                 }
-                rows[row * view.width_px as usize + self.u0 as usize + column] = sum;
+                *target = sum;
             }
         }
     }
 }
 
 /// Colour of a placed sphere at a pixel coordinate.
-fn shade(view: &View, u: f64, v: f64, p: &Placed, spheres: &[Sphere], paint: &Paint<'_>) -> Color {
-    let index = p.index as usize;
-    let color = (paint.color)(index, &spheres[index]);
+fn shade(view: &View, u: f64, v: f64, p: &Placed, paint: &Paint<'_>) -> Color {
+    let color = p.color;
     if paint.light.is_flat() {
         return color;
     }

@@ -34,17 +34,19 @@ pub(crate) fn solve_normal<const N: usize>(a: &[[f64; N]; N], b: &[f64; N]) -> O
     Some(x)
 }
 
+/// Sub-diagonals of a [`Banded`] matrix: those of cubic splines.
+const WIDTH: usize = 3;
+
 /// A banded symmetric positive definite matrix, lower band stored by rows: `band[i][d]` is entry `(i, i - d)`.
 #[derive(Clone, Debug)]
 pub(crate) struct Banded {
-    width: usize,
-    rows: Vec<Vec<f64>>,
+    rows: Vec<[f64; WIDTH + 1]>,
 }
 
 impl Banded {
-    /// A zero matrix of `n` rows with `width` sub-diagonals.
-    pub(crate) fn zeros(n: usize, width: usize) -> Self {
-        Self { width, rows: vec![vec![0.0; width + 1]; n] }
+    /// A zero matrix of `n` rows with three sub-diagonals.
+    pub(crate) fn zeros(n: usize) -> Self {
+        Self { rows: vec![[0.0; WIDTH + 1]; n] }
     }
 
     /// Adds to entry `(i, j)` of the lower triangle, `i >= j`.
@@ -52,12 +54,18 @@ impl Banded {
         self.rows[i][i - j] += v;
     }
 
+    /// Entry `(i, j)`, 0 outside of the band.
+    pub(crate) fn at(&self, i: usize, j: usize) -> f64 {
+        let (i, j) = (i.max(j), i.min(j));
+        if i - j > WIDTH { 0.0 } else { self.rows[i][i - j] }
+    }
+
     /// Replaces the matrix by its Cholesky factor; `None` when it is not positive definite.
     pub(crate) fn factor(mut self) -> Option<BandedFactor> {
         for i in 0..self.rows.len() {
-            for j in i.saturating_sub(self.width)..=i {
+            for j in i.saturating_sub(WIDTH)..=i {
                 let mut s = self.rows[i][i - j];
-                for k in i.saturating_sub(self.width).max(j.saturating_sub(self.width))..j {
+                for k in i.saturating_sub(WIDTH).max(j.saturating_sub(WIDTH))..j {
                     s -= self.rows[i][i - k] * self.rows[j][j - k];
                 }
                 if i == j {
@@ -70,34 +78,31 @@ impl Banded {
                 }
             }
         }
-        Some(BandedFactor { width: self.width, rows: self.rows })
+        Some(BandedFactor { rows: self.rows })
     }
 }
 
 /// The Cholesky factor of a [`Banded`] matrix.
 #[derive(Clone, Debug)]
 pub(crate) struct BandedFactor {
-    width: usize,
-    rows: Vec<Vec<f64>>,
+    rows: Vec<[f64; WIDTH + 1]>,
 }
 
 impl BandedFactor {
-    /// Solves for one right-hand side.
-    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    /// Solves for one right-hand side, which becomes the solution.
+    pub(crate) fn solve(&self, x: &mut [f64]) {
         let n = self.rows.len();
-        let mut x = b.to_vec();
         for i in 0..n {
-            for k in i.saturating_sub(self.width)..i {
+            for k in i.saturating_sub(WIDTH)..i {
                 x[i] -= self.rows[i][i - k] * x[k];
             }
             x[i] /= self.rows[i][0];
         }
         for i in (0..n).rev() {
-            for k in i + 1..(i + self.width + 1).min(n) {
+            for k in i + 1..(i + WIDTH + 1).min(n) {
                 x[i] -= self.rows[k][k - i] * x[k];
             }
             x[i] /= self.rows[i][0];
         }
-        x
     }
 }

@@ -156,10 +156,14 @@ pub fn bed_outline(surface: &Surface, radius: f64) -> Vec<(f64, f64)> {
     while end >= start {
         end -= std::f64::consts::TAU;
     }
-    let mut points = surface.points.clone();
-    points.extend((1..ARC_POINTS).map(|k| {
-        let (s, c) = (start + (end - start) * k as f64 / ARC_POINTS as f64).sin_cos();
-        (radius * c, radius * s)
+    let mut points = Vec::with_capacity(surface.points.len() + ARC_POINTS);
+    points.extend(&surface.points);
+    // Turned on by one step after the other: after all of them off by some 1e-13 of the radius.
+    let (sin, cos) = ((end - start) / ARC_POINTS as f64).sin_cos();
+    let (mut y, mut x) = start.sin_cos();
+    points.extend((1..ARC_POINTS).map(|_| {
+        (x, y) = (x * cos - y * sin, x * sin + y * cos);
+        (radius * x, radius * y)
     }));
     points
 }

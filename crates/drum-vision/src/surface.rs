@@ -57,7 +57,7 @@ impl Surface {
         };
         let outside = |u: f64| {
             let (x, y) = place(u);
-            x.hypot(y) >= circle.radius_px
+            x * x + y * y >= circle.radius_px * circle.radius_px
         };
         let (from, to) = curve.smoothed.spline.range();
         let middle = inner_point(from, to, &outside).ok_or(few(0))?;

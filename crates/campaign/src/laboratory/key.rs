@@ -10,7 +10,7 @@ const MOTION: &str = concat!(env!("CARGO_PKG_VERSION"), "/4");
 
 /// Version of what turns motions into responses (film and reader); a change of it has kept motions
 /// filmed and measured anew.
-const RESPONSES: &str = concat!(env!("CARGO_PKG_VERSION"), "/6");
+const RESPONSES: &str = concat!(env!("CARGO_PKG_VERSION"), "/7");
 
 /// Key of a motion: the rig without its names, camera and reader, and how it is sampled.
 pub(crate) fn motion(rig: &Rig, options: &Options) -> blake3::Hash {

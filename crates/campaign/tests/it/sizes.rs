@@ -14,7 +14,7 @@ friction = { pp = 0.4, mantle = 0.9 }
 restitution = { pp = 0.6, mantle = 0.6 }
 rolling = { pp = 0.01, mantle = 0.01 }
 camera = { distance_m = 0.5 }
-run = { speeds_rpm = [35.0, 70.0], frames = 40, time_step_s = 2e-4 }
+run = { speeds_rpm = [35.0, 70.0], frames = 80, time_step_s = 2e-4 }
 [materials]
 glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e5 }
 "#;
@@ -37,6 +37,8 @@ fn pictures_of_any_size_read_alike() {
         both.map(|(a, b)| a.mean[r] - b.mean[r]).sum::<f64>() / 2.0
     };
     let all = [0, 1, 2, 3].map(off);
-    let within = [0.15, 0.15, 0.1, 0.1];
+    // The two pictures of one frame differ by 0.6, 1.2 deg, 0.3 % R, 0.35 % R (standard deviation), their means over 160 frames by 0.05, 0.1,
+    // 0.025, 0.03.
+    let within = [0.2, 0.2, 0.1, 0.1];
     assert!(all.iter().zip(within).all(|(o, w)| o.abs() < w), "{all:?}");
 }

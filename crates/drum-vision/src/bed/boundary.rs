@@ -91,7 +91,7 @@ pub fn trace(prepared: &Prepared, line: &LineSplit) -> Boundary {
     for i in 0..n {
         for j in 0..n {
             let (u, v) = (i as f64 - CELLS as f64, j as f64 - CELLS as f64);
-            let r = u.hypot(v);
+            let r = (u * u + v * v).sqrt();
             if r < 0.97 * CELLS as f64 && (r > hub_cells || prepared.hub_px == 0.0) {
                 let (x, y) = axes.to_picture(u * step, v * step);
                 if prepared.is_hidden(x, y) {
@@ -114,7 +114,8 @@ pub fn trace(prepared: &Prepared, line: &LineSplit) -> Boundary {
     let (mut below, mut all) = (0usize, 0usize);
     for (i, &first) in path.iter().enumerate() {
         for j in 0..n {
-            if (i as f64 - CELLS as f64).hypot(j as f64 - CELLS as f64) < 0.97 * CELLS as f64 {
+            let (u, v) = (i as f64 - CELLS as f64, j as f64 - CELLS as f64);
+            if (u * u + v * v).sqrt() < 0.97 * CELLS as f64 {
                 all += 1;
                 below += usize::from(j >= first);
             }
@@ -159,32 +160,37 @@ fn cheapest_path(grey: &[f64], n: usize, levels: &[[f64; 3]; 2]) -> (Vec<usize>,
         }
     }
     let width = n + 1;
-    let mut total = cost[..width].to_vec();
-    let mut from = vec![0u16; n * width];
+    // Steps to the nearest cells of a column that are no cell count as endless; so rows are as long on either side.
+    let mut total = vec![f64::INFINITY; width + 2 * MAX_STEP];
+    total[MAX_STEP..MAX_STEP + width].copy_from_slice(&cost[..width]);
+    let mut next = vec![0.0f64; width];
+    let mut step = vec![0.0f32; n * width];
     for i in 1..n {
-        let mut next = vec![f64::INFINITY; width];
-        for j in 0..width {
-            let lo = j.saturating_sub(MAX_STEP);
-            let hi = (j + MAX_STEP).min(n);
-            for (m, t) in total.iter().enumerate().take(hi + 1).skip(lo) {
-                let d = m.abs_diff(j) as f64;
-                let value = t + STEP_COST * d * d;
-                if value < next[j] {
-                    next[j] = value;
-                    from[i * width + j] = m as u16;
-                }
+        next.fill(f64::INFINITY);
+        let step = &mut step[i * width..(i + 1) * width];
+        // Whole rows for one step after the other, the lowest cell first, so that the loop runs in lanes.
+        for shift in 0..=2 * MAX_STEP {
+            let d = shift as f64 - MAX_STEP as f64;
+            let (penalty, own) = (STEP_COST * d * d, d as f32);
+            for ((best, step), t) in next.iter_mut().zip(&mut *step).zip(&total[shift..]) {
+                let value = t + penalty;
+                let wins = value < *best;
+                *best = if wins { value } else { *best };
+                *step = if wins { own } else { *step };
             }
-            next[j] += cost[i * width + j];
         }
-        total = next;
+        let column = &cost[i * width..(i + 1) * width];
+        let rows = total[MAX_STEP..].iter_mut().zip(next.iter().zip(column));
+        rows.for_each(|(t, (best, c))| *t = best + c);
     }
+    let total = &total[MAX_STEP..MAX_STEP + width];
     let mut j =
         (0..width).min_by(|&a, &b| total[a].total_cmp(&total[b]).then(a.cmp(&b))).unwrap_or(0);
     let mut path = vec![0; n];
     for i in (0..n).rev() {
         path[i] = j;
         if i > 0 {
-            j = usize::from(from[i * width + j]);
+            j = j.saturating_add_signed(step[i * width + j] as isize);
         }
     }
     let data: f64 = path.iter().enumerate().map(|(i, &j)| cost[i * width + j]).sum();

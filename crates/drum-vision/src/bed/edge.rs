@@ -281,7 +281,7 @@ fn lines_across(
             continue;
         }
         let v = centre.value(u);
-        let r = u.hypot(v);
+        let r = (u * u + v * v).sqrt();
         if r > rim || (prepared.hub_px > 0.0 && r < prepared.hub_px + 0.0075 * radius) {
             continue;
         }
@@ -289,7 +289,7 @@ fn lines_across(
         let grey = (-n..=n)
             .map(|j| {
                 let v = v + j as f64 * SPACING;
-                let r = u.hypot(v);
+                let r = (u * u + v * v).sqrt();
                 if r > rim || (prepared.hub_px > 0.0 && r < prepared.hub_px) {
                     return f64::NAN;
                 }
@@ -352,21 +352,22 @@ fn crossings(
         Threshold::Fixed { level } => Some(level),
     };
     let bias = config.measure.threshold_bias;
+    let mut profile = vec![0.0; n];
+    let mut counts = vec![0.0; n];
+    let mut held = Vec::new();
     lines
         .iter()
         .enumerate()
         .map(|(i, line)| {
-            let near = lines[i.saturating_sub(wide)..(i + wide + 1).min(lines.len())]
-                .iter()
-                .map(|l| (l.u - line.u).abs() <= (wide as f64 + 0.5) * step);
-            let level = |side: &[Option<f64>]| {
-                let mut held: Vec<f64> = side
-                    [i.saturating_sub(wide)..(i + wide + 1).min(side.len())]
-                    .iter()
-                    .zip(near.clone())
-                    .filter(|(_, close)| *close)
-                    .filter_map(|(v, _)| *v)
-                    .collect();
+            // Lines within so many steps, among those so many places away at most.
+            let within = |reach: usize| {
+                let far = (reach as f64 + 0.5) * step;
+                (i.saturating_sub(reach)..(i + reach + 1).min(lines.len()))
+                    .filter(move |&k| (lines[k].u - line.u).abs() <= far)
+            };
+            let mut level = |side: &[Option<f64>]| {
+                held.clear();
+                held.extend(within(wide).filter_map(|k| side[k]));
                 median_in_place(&mut held)
             };
             let mut out = Crossing {
@@ -388,20 +389,18 @@ fn crossings(
                 return out;
             }
             // The lines that follow one another with no gap, averaged along the curve.
-            let profile: Vec<f64> = (0..n)
-                .map(|j| {
-                    let (mut sum, mut count) = (0.0, 0.0);
-                    for l in &lines[i.saturating_sub(reach)..(i + reach + 1).min(lines.len())] {
-                        if (l.u - line.u).abs() <= (reach as f64 + 0.5) * step
-                            && !l.grey[j].is_nan()
-                        {
-                            sum += l.grey[j];
-                            count += 1.0;
-                        }
-                    }
-                    if count > 0.0 { (sum / count - a) / (b - a) } else { f64::NAN }
-                })
-                .collect();
+            profile.fill(0.0);
+            counts.fill(0.0);
+            for k in within(reach) {
+                for ((p, count), g) in profile.iter_mut().zip(&mut counts).zip(&lines[k].grey) {
+                    let seen = !g.is_nan();
+                    *p += if seen { *g } else { 0.0 };
+                    *count += f64::from(u8::from(seen));
+                }
+            }
+            for (p, count) in profile.iter_mut().zip(&counts) {
+                *p = if *count > 0.0 { (*p / count - a) / (b - a) } else { f64::NAN };
+            }
             let Some(split) = best_split(&profile) else {
                 return out;
             };

@@ -7,6 +7,7 @@
 use super::prepare::Prepared;
 use crate::config::Tone;
 use crate::error::VisionError;
+use crate::frame::Plane;
 
 /// A line across the drum, bed below it.
 ///
@@ -28,6 +29,77 @@ pub struct LineSplit {
 /// Steps of the offset over the diameter.
 const BINS: usize = 160;
 
+/// Grey levels are counted in this many parts.
+const PARTS: f64 = 4096.0;
+/// One sample in a sum of samples, whose low bits are greys.
+const ONE: u64 = 1 << 40;
+
+/// A sample: one, and its grey in [`PARTS`]; so that one addition of whole numbers, in whatever order, counts both.
+fn sample(grey: f32) -> u64 {
+    ONE + (f64::from(grey) * PARTS + 0.5) as u64
+}
+
+/// Grey of a sample, or of a sum of them.
+fn grey(sample: u64) -> f64 {
+    (sample % ONE) as f64 / PARTS
+}
+
+/// The drum's interior: rows of samples that follow one another.
+struct Disc {
+    /// Place of the first sample about the centre, x and y, and where its row begins and ends among the samples.
+    rows: Vec<(f64, f64, std::ops::Range<usize>)>,
+    samples: Vec<u64>,
+}
+
+impl Disc {
+    /// What lies within `radius` of a point and outside of `hub`.
+    fn of(plane: &Plane, (cx, cy): (f64, f64), radius: f64, hub: f64) -> Self {
+        let (mut rows, mut samples) = (Vec::new(), Vec::new());
+        for y in 0..plane.height {
+            let dy = y as f64 - cy;
+            let mut begun: Option<(f64, usize)> = None;
+            for (x, &g) in plane.row(y).iter().enumerate() {
+                let dx = x as f64 - cx;
+                let r = (dx * dx + dy * dy).sqrt();
+                if r < radius && r > hub {
+                    begun.get_or_insert((dx, samples.len()));
+                    samples.push(sample(g));
+                } else if let Some((dx, first)) = begun.take() {
+                    rows.push((dx, dy, first..samples.len()));
+                }
+            }
+            if let Some((dx, first)) = begun {
+                rows.push((dx, dy, first..samples.len()));
+            }
+        }
+        Self { rows, samples }
+    }
+
+    /// Number and sum of greys in strips parallel to a line, the uppermost first.
+    fn across(&self, angle_deg: f64, radius: f64) -> [(f64, f64); BINS] {
+        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        // Strips are counted in 2^-32, so that going on by a pixel is one addition.
+        let scale = 0.5 * BINS as f64 / radius * 2f64.powi(32);
+        let along = (sin * scale) as i64;
+        // Neighbours mostly share a strip: by turns in one of four, no sum waits for the one before it.
+        let mut strips = [[0u64; BINS]; 4];
+        for (dx, dy, range) in &self.rows {
+            let mut at = ((dx * sin + dy * cos + radius) * scale) as i64;
+            for four in self.samples[range.clone()].chunks(4) {
+                for (strips, &sample) in strips.iter_mut().zip(four) {
+                    strips[((at >> 32).max(0) as usize).min(BINS - 1)] += sample;
+                    at += along;
+                }
+            }
+        }
+        let [a, b, c, d] = &strips;
+        std::array::from_fn(|k| {
+            let sum = a[k] + b[k] + c[k] + d[k];
+            ((sum / ONE) as f64, grey(sum))
+        })
+    }
+}
+
 /// Finds the line, or refuses a drum whose two parts differ by less than `min_contrast` times their scatter.
 ///
 /// # Errors
@@ -44,29 +116,16 @@ pub fn split_line(
     let (cx, cy) = (centre(prepared.circle.x_px), centre(prepared.circle.y_px));
     let radius = 0.95 * prepared.circle.radius_px / k;
     let hub = prepared.hub_px / k + 1.0;
-    let mut samples = Vec::new();
-    for y in 0..small.height {
-        for x in 0..small.width {
-            let (dx, dy) = (x as f64 - cx, y as f64 - cy);
-            let r = dx.hypot(dy);
-            if r < radius && (r > hub || prepared.hub_px == 0.0) {
-                samples.push((dx, dy, f64::from(small.at(x, y))));
-            }
-        }
+    let disc = Disc::of(&small, (cx, cy), radius, if prepared.hub_px == 0.0 { -1.0 } else { hub });
+    let total = disc.samples.len() as f64;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for g in disc.samples.iter().map(|&s| grey(s)) {
+        sum += g;
+        squares += g * g;
     }
-    let total = samples.len() as f64;
-    let sum: f64 = samples.iter().map(|s| s.2).sum();
-    let squares: f64 = samples.iter().map(|s| s.2 * s.2).sum();
     let mut best: Option<(f64, LineSplit)> = None;
     let try_angle = |angle_deg: f64, best: &mut Option<(f64, LineSplit)>| {
-        let (sin, cos) = angle_deg.to_radians().sin_cos();
-        let mut bins = [(0.0f64, 0.0f64); BINS];
-        for &(dx, dy, g) in &samples {
-            let v = dx * sin + dy * cos;
-            let b = (((v / radius + 1.0) * 0.5 * BINS as f64) as usize).min(BINS - 1);
-            bins[b].0 += 1.0;
-            bins[b].1 += g;
-        }
+        let bins = disc.across(angle_deg, radius);
         let (mut n, mut s) = (0.0, 0.0);
         for (b, bin) in bins.iter().enumerate().take(BINS - 1) {
             n += bin.0;

@@ -195,7 +195,7 @@ fn radius_at(
     let mut near: Vec<(f64, usize)> = Vec::new();
     for e in edges {
         let (dx, dy) = (e.x - x, e.y - y);
-        let r = dx.hypot(dy);
+        let r = (dx * dx + dy * dy).sqrt();
         if r < range.0 - 1.0 || r > range.1 + 1.0 || sign * (e.nx * dx + e.ny * dy) < 0.85 * r {
             continue;
         }

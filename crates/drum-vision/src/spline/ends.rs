@@ -38,7 +38,7 @@ impl Task<'_> {
     /// Fits with the present weights, then weighs the residuals anew: by biweights, or, `soft`, by Huber's weights.
     pub(super) fn step(&mut self, stiffness: Stiffness, soft: bool) -> Option<()> {
         let size = self.spline.coefficients.len();
-        self.spline.coefficients = fit(self.rows, self.y, &self.weights, size, stiffness)?.0;
+        self.spline.coefficients = fit(self.rows, self.y, &self.weights, size, stiffness)?;
         self.weigh(soft);
         Some(())
     }

@@ -137,7 +137,7 @@ pub fn near_stiff_curve(x: &[f64], y: &[f64], pieces: usize, least: f64, share: 
     let mut scatter = 0.0;
     for _ in 0..40 {
         let stiffness = Stiffness::even(1e-4 * weights.iter().sum::<f64>() / size as f64);
-        let Some((c, _)) = fit(&rows, y, &weights, size, stiffness) else {
+        let Some(c) = fit(&rows, y, &weights, size, stiffness) else {
             return keep_all;
         };
         spline.coefficients = c;
@@ -201,7 +201,62 @@ impl Stiffness {
     }
 }
 
-type Fit = (Vec<f64>, BandedFactor);
+/// What weighted points ask for: the normal equations without any penalty.
+struct Normal {
+    matrix: Banded,
+    right: Vec<f64>,
+}
+
+impl Normal {
+    fn of(rows: &[(usize, [f64; 4])], y: &[f64], weights: &[f64], size: usize) -> Self {
+        let mut matrix = Banded::zeros(size);
+        let mut right = vec![0.0; size];
+        for (((k, basis), &v), &w) in rows.iter().zip(y).zip(weights) {
+            for i in 0..4 {
+                right[k + i] += w * basis[i] * v;
+                for j in 0..=i {
+                    matrix.add(k + i, k + j, w * basis[i] * basis[j]);
+                }
+            }
+        }
+        Self { matrix, right }
+    }
+
+    /// Coefficients under a penalty, and the factor of the matrix with it.
+    fn solve(&self, stiffness: Stiffness) -> Option<(Vec<f64>, BandedFactor)> {
+        let size = self.right.len();
+        let mut a = self.matrix.clone();
+        for k in 0..size - 2 {
+            let d = [1.0, -2.0, 1.0];
+            let lambda = stiffness.lambda * ends::looseness(stiffness.ends, k, size - 2);
+            for i in 0..3 {
+                for j in 0..=i {
+                    a.add(k + i, k + j, lambda * d[i] * d[j]);
+                }
+            }
+        }
+        for k in 0..size {
+            a.add(k, k, 1e-9);
+        }
+        let factor = a.factor()?;
+        let mut c = self.right.clone();
+        factor.solve(&mut c);
+        Some((c, factor))
+    }
+
+    /// Degrees of freedom: the trace of `A^-1 B^T W B`, column by column.
+    fn freedom(&self, factor: &BandedFactor) -> f64 {
+        let size = self.right.len();
+        let mut column = vec![0.0; size];
+        (0..size)
+            .map(|c| {
+                column.iter_mut().enumerate().for_each(|(r, v)| *v = self.matrix.at(r, c));
+                factor.solve(&mut column);
+                column[c]
+            })
+            .sum()
+    }
+}
 
 fn fit(
     rows: &[(usize, [f64; 4])],
@@ -209,31 +264,8 @@ fn fit(
     weights: &[f64],
     size: usize,
     stiffness: Stiffness,
-) -> Option<Fit> {
-    let mut a = Banded::zeros(size, 3);
-    let mut b = vec![0.0; size];
-    for (((k, basis), &v), &w) in rows.iter().zip(y).zip(weights) {
-        for i in 0..4 {
-            b[k + i] += w * basis[i] * v;
-            for j in 0..=i {
-                a.add(k + i, k + j, w * basis[i] * basis[j]);
-            }
-        }
-    }
-    for k in 0..size - 2 {
-        let d = [1.0, -2.0, 1.0];
-        let lambda = stiffness.lambda * ends::looseness(stiffness.ends, k, size - 2);
-        for i in 0..3 {
-            for j in 0..=i {
-                a.add(k + i, k + j, lambda * d[i] * d[j]);
-            }
-        }
-    }
-    for k in 0..size {
-        a.add(k, k, 1e-9);
-    }
-    let factor = a.factor()?;
-    Some((factor.solve(&b), factor))
+) -> Option<Vec<f64>> {
+    Some(Normal::of(rows, y, weights, size).solve(stiffness)?.0)
 }
 
 fn choose_lambda(
@@ -243,47 +275,22 @@ fn choose_lambda(
     size: usize,
 ) -> Option<f64> {
     let n: f64 = weights.iter().sum();
+    let normal = Normal::of(rows, y, weights, size);
     let mut best: Option<(f64, f64)> = None;
     for power in -2..=5 {
         let lambda = 10f64.powi(power) * n / size as f64 * 0.1;
-        let (c, factor) = fit(rows, y, weights, size, Stiffness::even(lambda))?;
+        let (c, factor) = normal.solve(Stiffness::even(lambda))?;
         let mut misfit = 0.0;
         for (((k, basis), &v), &w) in rows.iter().zip(y).zip(weights) {
             let r = v - (0..4).map(|d| basis[d] * c[k + d]).sum::<f64>();
             misfit += w * r * r;
         }
-        let freedom = trace_of_smoother(rows, weights, &factor, size);
-        let gcv = misfit / (n - freedom).max(1.0).powi(2);
+        let gcv = misfit / (n - normal.freedom(&factor)).max(1.0).powi(2);
         if best.is_none_or(|(g, _)| gcv < g) {
             best = Some((gcv, lambda));
         }
     }
     best.map(|b| b.1)
-}
-
-/// Degrees of freedom: the trace of `A^-1 B^T W B`, column by column.
-fn trace_of_smoother(
-    rows: &[(usize, [f64; 4])],
-    weights: &[f64],
-    factor: &BandedFactor,
-    size: usize,
-) -> f64 {
-    let mut gram = vec![[0.0f64; 7]; size];
-    for ((k, basis), &w) in rows.iter().zip(weights) {
-        for i in 0..4 {
-            for j in 0..4 {
-                gram[k + i][3 + j - i] += w * basis[i] * basis[j];
-            }
-        }
-    }
-    (0..size)
-        .map(|c| {
-            let column: Vec<f64> = (0..size)
-                .map(|r| if c.abs_diff(r) <= 3 { gram[r][3 + c - r] } else { 0.0 })
-                .collect();
-            factor.solve(&column)[c]
-        })
-        .sum()
 }
 
 #[cfg(test)]
