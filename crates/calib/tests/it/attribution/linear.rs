@@ -267,6 +267,31 @@ fn what_is_measured_besides_ranks_effects_that_fit_alike_and_refutes_those_it_co
 }
 
 #[test]
+fn an_effect_that_asks_for_a_friction_beyond_its_range_is_not_named() {
+    let (base, line) = (Line(None), Line(Some(|slope| slope)));
+    let [sxx, sxy, _] = sums();
+    let n = SPEEDS.len() as f64;
+    let (x, y) = (SPEEDS.iter().sum::<f64>() / n, ANGLE.iter().sum::<f64>() / n);
+    // The line's height at 10 rpm, and its standard deviation where the slope is free.
+    let height = y + sxy / sxx * (10.0 - x);
+    let sd = SD * (1.0 / n + (10.0 - x).powi(2) / sxx).sqrt();
+    // Chi-square would fall by 3.9 and 4.1 without that end.
+    for (fall, refused) in [(3.9_f64, false), (4.1, true)] {
+        for side in [1.0, -1.0] {
+            let settings = Settings { stability_bootstrap: 0, ..Settings::default() };
+            let angles = SPEEDS.into_iter().zip(ANGLE);
+            let mut all = question((&base, &line), angles, ((-0.5, 0.5), None), settings);
+            let end = height - side * fall.sqrt() * sd;
+            all.base.free[0].range = if side > 0.0 { (20.0, end) } else { (end, 40.0) };
+            let f = all.attribute().expect("is well posed");
+            assert!((f.ranked[0].fit.theta[0] - end).abs() < 1e-9);
+            let beyond = f.ranked[0].objections.iter().any(|o| o.contains("level beyond"));
+            assert_eq!(beyond, refused, "{fall} {side}: {:?}", f.ranked[0].objections);
+        }
+    }
+}
+
+#[test]
 fn what_is_known_less_does_not_leave_a_class_for_that() {
     let (base, line) = (Line(None), Line(Some(|slope| slope)));
     // The same line, of which each angle has three more standard deviations that nobody has simulated away; or a tenth.
