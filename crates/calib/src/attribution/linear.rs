@@ -1,5 +1,7 @@
 //! Least squares of a few parameters within bounds.
 
+use crate::covariance::square;
+
 /// Cholesky factor of a small symmetric matrix, row-major; `None` if not positive definite.
 pub(super) fn cholesky(a: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let n = a.len();
@@ -44,6 +46,29 @@ pub(super) fn normal(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Orthonormal directions of vectors, one after the other; what the ones before span adds none.
+pub(super) fn orthonormal<'v>(vectors: impl IntoIterator<Item = &'v Vec<f64>>) -> Vec<Vec<f64>> {
+    let mut directions: Vec<Vec<f64>> = Vec::new();
+    for v in vectors {
+        let rest = without(v, &directions);
+        let length = square(&rest).sqrt();
+        if length > 1e-9 * square(v).sqrt() {
+            directions.push(rest.iter().map(|x| x / length).collect());
+        }
+    }
+    directions
+}
+
+/// What is left of a vector when its parts along orthonormal directions are taken out.
+pub(super) fn without(v: &[f64], directions: &[Vec<f64>]) -> Vec<f64> {
+    let mut rest = v.to_vec();
+    for d in directions {
+        let along = dot(&rest, d);
+        rest.iter_mut().zip(d).for_each(|(r, x)| *r -= along * x);
+    }
+    rest
 }
 
 /// Covariance of parameters with a weak normal prior, from whitened columns: the inverse of

@@ -9,10 +9,12 @@ use super::data::Data;
 use super::evidence::IGNORANCE;
 use super::gate::{Case, Screen};
 use super::held_out::{Compared, predict};
+use super::linear::{dot, orthonormal, without};
 use super::model::Model;
 use super::pairs::{are_named, fit_pairs};
 use super::solver::{Settled, optima};
 use super::{Layer, Verdict};
+use crate::covariance::square;
 use crate::{CalibError, chi_square_p};
 
 /// Least number of speeds at which leaving one out says something of speeds.
@@ -152,30 +154,14 @@ impl Judged<'_> {
     /// parameter within its range can make up for.
     fn pulled_out(&self) -> Option<&str> {
         let point = &self.fit.point;
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let at_end = |u: f64| !(1e-6..=1.0 - 1e-6).contains(&u);
-        // Derivatives along what can still move, made orthogonal one after the other.
-        let mut free: Vec<Vec<f64>> = Vec::new();
-        let rest = |column: &[f64], free: &[Vec<f64>]| {
-            let mut rest = column.to_vec();
-            for f in free {
-                let part = dot(&rest, f);
-                rest.iter_mut().zip(f).for_each(|(r, f)| *r -= part * f);
-            }
-            rest
-        };
-        for (column, _) in point.columns.iter().zip(&point.unit).filter(|(_, u)| !at_end(**u)) {
-            let own = rest(column, &free);
-            let length = dot(&own, &own).sqrt();
-            if length > 1e-9 * dot(column, column).sqrt() {
-                free.push(own.iter().map(|v| v / length).collect());
-            }
-        }
+        let both = point.columns.iter().zip(&point.unit);
+        let free = orthonormal(both.filter(|(_, u)| !at_end(**u)).map(|(c, _)| c));
         let pulled = |k: &usize| {
             let (unit, column) = (point.unit[*k], &point.columns[*k]);
             let along = dot(column, &self.fit.white) * if unit < 0.5 { -1.0 } else { 1.0 };
-            let own = rest(column, &free);
-            at_end(unit) && along > 0.0 && along * along > PULL * dot(&own, &own)
+            let own = square(&without(column, &free));
+            at_end(unit) && along > 0.0 && along * along > PULL * own
         };
         let found = (0..self.model.frictions()).find(pulled)?;
         self.model.parameters.get(found).map(String::as_str)

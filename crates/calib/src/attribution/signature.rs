@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::gate::{Case, Screen};
-use super::linear::dot;
+use super::linear::{dot, orthonormal, without};
 use super::model::Model;
 use super::solver::{FINE, Search};
 use super::{CollinearClass, Detectable};
@@ -22,14 +22,7 @@ pub(super) fn signatures(
 ) -> Result<Vec<Vec<f64>>, CalibError> {
     let base = &screen.base;
     // Orthonormal directions of the frictions.
-    let mut taken: Vec<Vec<f64>> = Vec::new();
-    for column in &base.point.columns {
-        let rest = without(column, &taken);
-        let length = square(&rest).sqrt();
-        if length > 1e-9 * square(column).sqrt() {
-            taken.push(rest.iter().map(|x| x / length).collect());
-        }
-    }
+    let taken = orthonormal(&base.point.columns);
     case.singles
         .iter()
         .zip(strengths)
@@ -56,15 +49,6 @@ pub(super) fn signatures(
             Ok(rest.iter().map(|x| if visible { x / length } else { 0.0 }).collect())
         })
         .collect()
-}
-
-fn without(v: &[f64], directions: &[Vec<f64>]) -> Vec<f64> {
-    let mut rest = v.to_vec();
-    for d in directions {
-        let along = dot(&rest, d);
-        rest.iter_mut().zip(d).for_each(|(r, x)| *r -= along * x);
-    }
-    rest
 }
 
 /// Cosines between all signatures.
