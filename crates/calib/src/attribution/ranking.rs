@@ -36,6 +36,11 @@ pub fn at_the_end(part: f64) -> bool {
     !(0.02..=0.98).contains(&part)
 }
 
+/// Whether a fit left a parameter, as a part of its range, between the ends.
+fn can_move(part: f64) -> bool {
+    part > 1e-6 && part < 1.0 - 1e-6
+}
+
 /// Fall of chi-square beyond the end of a friction's range from which a model is refused: where the truth lies at that end it is
 /// larger in one of 44 cases.
 const PULL: f64 = 4.0;
@@ -154,14 +159,13 @@ impl Judged<'_> {
     /// parameter within its range can make up for.
     fn pulled_out(&self) -> Option<&str> {
         let point = &self.fit.point;
-        let at_end = |u: f64| !(1e-6..=1.0 - 1e-6).contains(&u);
         let both = point.columns.iter().zip(&point.unit);
-        let free = orthonormal(both.filter(|(_, u)| !at_end(**u)).map(|(c, _)| c));
+        let free = orthonormal(both.filter(|(_, u)| can_move(**u)).map(|(c, _)| c));
         let pulled = |k: &usize| {
             let (unit, column) = (point.unit[*k], &point.columns[*k]);
             let along = dot(column, &self.fit.white) * if unit < 0.5 { -1.0 } else { 1.0 };
             let own = square(&without(column, &free));
-            at_end(unit) && along > 0.0 && along * along > PULL * own
+            !can_move(unit) && along > 0.0 && along * along > PULL * own
         };
         let found = (0..self.model.frictions()).find(pulled)?;
         self.model.parameters.get(found).map(String::as_str)
@@ -169,7 +173,7 @@ impl Judged<'_> {
 
     /// Whether no strength is absent, and neither a strength nor a friction at an end of its range.
     pub(super) fn inside(&self) -> bool {
-        self.fit.point.unit.iter().all(|u| *u > 1e-6 && *u < 1.0 - 1e-6)
+        self.fit.point.unit.iter().all(|u| can_move(*u))
     }
 
     /// Held-out errors against the base: the gain at one speed left out (else of the given set). A set of

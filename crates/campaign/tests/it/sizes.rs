@@ -39,6 +39,6 @@ fn pictures_of_any_size_read_alike() {
     let all = [0, 1, 2, 3].map(off);
     // The two pictures of one frame differ by 0.6, 1.2 deg, 0.3 % R, 0.35 % R (standard deviation), their means over 160 frames by 0.05, 0.1,
     // 0.025, 0.03.
-    let within = [0.2, 0.2, 0.1, 0.1];
+    let within = [0.15, 0.15, 0.1, 0.1];
     assert!(all.iter().zip(within).all(|(o, w)| o.abs() < w), "{all:?}");
 }
