@@ -59,7 +59,7 @@ fn main() -> Result<(), CalibError> {
         for (response, mean) in Response::ALL.into_iter().zip(bed(omega_rpm, 0.38, [0.4, 0.0, 0.0]))
         {
             let noise = 0.2 * ((7 * k + 3 * response.index()) as f64).sin();
-            items.push(Observation { omega_rpm, response, mean: mean + noise, sd: 1.0 });
+            items.push(Observation { load: 0, omega_rpm, response, mean: mean + noise, sd: 1.0 });
         }
     }
     let base = surfaces(None)?;

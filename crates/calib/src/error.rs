@@ -1,5 +1,7 @@
 //! Everything that can be wrong with a calibration.
 
+use crate::OperatingPoint;
+
 /// Error of a calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibError {
@@ -64,10 +66,10 @@ pub enum CalibError {
         given: usize,
     },
     /// The simulator returned a number that is not finite.
-    #[error("the simulator gave no finite response at {omega_rpm} rpm, parameters {theta:?}")]
+    #[error("the simulator gave no finite response at {at}, parameters {theta:?}")]
     NotFinite {
-        /// Speed, rpm.
-        omega_rpm: f64,
+        /// Where.
+        at: OperatingPoint,
         /// Parameters.
         theta: Vec<f64>,
     },
@@ -150,6 +152,12 @@ pub enum CalibError {
         observations: usize,
         /// Fitted parameters.
         parameters: usize,
+    },
+    /// A load of which a model knows nothing.
+    #[error("a table of simulated runs is of one load; there is an observation at {at}")]
+    Load {
+        /// Where.
+        at: OperatingPoint,
     },
     /// A speed at which a model cannot predict.
     #[error("`{model}` covers {low} to {high} rpm; there is an observation at {omega_rpm} rpm")]

@@ -26,6 +26,7 @@ impl Observations {
             let Some(b) = after.items.iter().find(|b| b.response == a.response) else { continue };
             let variance = ((1.0 - t) * a.sd).powi(2) + (t * b.sd).powi(2);
             items.push(Observation {
+                load: a.load,
                 omega_rpm,
                 response: a.response,
                 mean: (1.0 - t) * a.mean + t * b.mean,

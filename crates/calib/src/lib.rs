@@ -23,6 +23,7 @@ mod joint;
 mod matching;
 mod nuisance;
 mod observation;
+mod operating_point;
 mod outlier;
 mod problem;
 mod sensitivity;
@@ -39,6 +40,7 @@ pub use joint::{JointMatch, JointMember, Tied, WithheldPrediction};
 pub use matching::{Estimate, Flatness, Match, Residual, root_mean_square};
 pub use nuisance::{Effect, Nuisance, NuisanceEstimate};
 pub use observation::{FrameCorrelation, Observation, Observations};
+pub use operating_point::OperatingPoint;
 pub use outlier::{
     Coincidence, MeasuredOutlier, SimulatedOutlier, measured_outliers, simulated_outliers,
 };

@@ -170,12 +170,11 @@ impl Problem<'_> {
     }
 
     fn residuals(&self, theta: &[f64], model: &[f64]) -> Result<Vec<Residual>, CalibError> {
-        let speeds = self.observations.speeds_rpm();
-        let predicted = self.simulator.predict(theta, &speeds)?;
-        let items = self.observations.items.iter().enumerate();
+        let (points, place) = self.observations.places();
+        let predicted = self.simulator.predict(theta, &points)?;
+        let items = self.observations.items.iter().zip(place).enumerate();
         Ok(items
-            .map(|(i, o)| {
-                let k = 4 * speeds.partition_point(|s| *s < o.omega_rpm) + o.response.index();
+            .map(|(i, (o, k))| {
                 let variance = self.observations.covariance(i, i) + predicted.covariance(k, k);
                 Residual {
                     omega_rpm: o.omega_rpm,

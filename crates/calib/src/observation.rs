@@ -2,7 +2,7 @@
 
 use rig_schema::{MeasuredTable, Response};
 
-use crate::CalibError;
+use crate::{CalibError, OperatingPoint};
 
 /// How the four responses of one frame vary together, where a table does not say.
 ///
@@ -51,6 +51,8 @@ impl FrameCorrelation {
 /// One measured response at one speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
+    /// Which load of the drum, 0 for the rig's own.
+    pub load: usize,
     /// Speed, rpm.
     pub omega_rpm: f64,
     /// Which response.
@@ -61,10 +63,17 @@ pub struct Observation {
     pub sd: f64,
 }
 
+impl Observation {
+    /// Where it was measured.
+    pub fn at(&self) -> OperatingPoint {
+        OperatingPoint { load: self.load, omega_rpm: self.omega_rpm }
+    }
+}
+
 /// All measured responses that are matched, with the covariance of their means.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observations {
-    /// In the order of speed, then response.
+    /// In the order of load, speed, response.
     pub items: Vec<Observation>,
     /// Independent frames in a mean, for each item.
     pub n_eff: Vec<f64>,
@@ -118,6 +127,7 @@ impl Observations {
                 let sd = sd.ok_or(CalibError::NoScatter { response: r.column() })?;
                 at[r.index()] = Some(all.items.len());
                 all.items.push(Observation {
+                    load: 0,
                     omega_rpm: row.omega_rpm,
                     response: r,
                     mean: cell.mean,
@@ -188,13 +198,14 @@ impl Observations {
     }
 
     /// These, then others, whose frames are not the same even at the same speed.
-    pub(crate) fn followed_by(&self, others: &Self) -> Self {
+    #[must_use]
+    pub fn followed_by(&self, others: &Self) -> Self {
         let first = self.items.len();
         let mut given = self.given.clone();
         given.extend(others.given.iter().map(|(a, b, v)| (first + a, first + b, *v)));
         for (a, one) in self.items.iter().enumerate() {
             for (b, other) in others.items.iter().enumerate() {
-                if one.omega_rpm == other.omega_rpm {
+                if one.at() == other.at() {
                     given.push((a, first + b, 0.0));
                 }
             }
@@ -207,6 +218,27 @@ impl Observations {
         }
     }
 
+    /// The same, measured with another load of the drum.
+    #[must_use]
+    pub fn with_load(mut self, load: usize) -> Self {
+        self.items.iter_mut().for_each(|o| o.load = load);
+        self
+    }
+
+    /// Operating points, each once, in order.
+    pub fn operating_points(&self) -> Vec<OperatingPoint> {
+        OperatingPoint::distinct(self.items.iter().map(Observation::at))
+    }
+
+    /// Operating points, and for each item its element of a prediction at them ([`crate::Predicted`]).
+    pub fn places(&self) -> (Vec<OperatingPoint>, Vec<usize>) {
+        let points = self.operating_points();
+        let place =
+            |o: &Observation| 4 * points.partition_point(|p| *p < o.at()) + o.response.index();
+        let places = self.items.iter().map(place).collect();
+        (points, places)
+    }
+
     /// Speeds, each once, ascending.
     pub fn speeds_rpm(&self) -> Vec<f64> {
         let mut speeds: Vec<f64> = self.items.iter().map(|o| o.omega_rpm).collect();
@@ -215,10 +247,10 @@ impl Observations {
         speeds
     }
 
-    /// Covariance of two means: zero between speeds, frame covariance over `n_eff` within one.
+    /// Covariance of two means: zero between operating points, frame covariance over `n_eff` within one.
     pub fn covariance(&self, i: usize, j: usize) -> f64 {
         let (a, b) = (&self.items[i], &self.items[j]);
-        if a.omega_rpm != b.omega_rpm {
+        if a.at() != b.at() {
             return 0.0;
         }
         let given = self.given.iter().find(|(p, q, _)| (*p, *q) == (i, j) || (*p, *q) == (j, i));

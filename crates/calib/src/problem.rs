@@ -75,25 +75,15 @@ impl Problem<'_> {
     /// The likelihood at `theta`.
     pub(crate) fn evaluate(&self, theta: &[f64]) -> Result<Evaluation, CalibError> {
         let items = &self.observations.items;
-        let speeds = self.observations.speeds_rpm();
-        let predicted = self.simulator.predict(theta, &speeds)?;
-        let place: Vec<usize> = items
-            .iter()
-            .map(|o| {
-                let k = speeds.partition_point(|s| *s < o.omega_rpm);
-                4 * k + o.response.index()
-            })
-            .collect();
+        let (points, place) = self.observations.places();
+        let predicted = self.simulator.predict(theta, &points)?;
         let mut model = Vec::with_capacity(items.len());
         for (i, o) in items.iter().enumerate() {
             let shift: f64 =
                 self.nuisances.iter().map(|n| self.slope(n, i) * n.departure(n.mean)).sum();
             let value = predicted.mean[place[i]] + shift;
             if !value.is_finite() {
-                return Err(CalibError::NotFinite {
-                    omega_rpm: o.omega_rpm,
-                    theta: theta.to_vec(),
-                });
+                return Err(CalibError::NotFinite { at: o.at(), theta: theta.to_vec() });
             }
             model.push(value);
         }

@@ -1,15 +1,15 @@
 //! A simulation as calibration sees it.
 
-use crate::CalibError;
+use crate::{CalibError, OperatingPoint};
 
 /// Responses that a simulator expects, with the covariance of its own error.
 ///
-/// Element `4 k + r` is response `r` (in the order of `rig_schema::Response::ALL`) at speed `k`.
+/// Element `4 k + r` is response `r` (in the order of `rig_schema::Response::ALL`) at operating point `k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predicted {
-    /// Expected responses, deg and percent of R; length 4 x speeds.
+    /// Expected responses, deg and percent of R; length 4 x operating points.
     pub mean: Vec<f64>,
-    /// Covariance of the simulator's error, row-major, (4 x speeds) squared.
+    /// Covariance of the simulator's error, row-major, (4 x operating points) squared.
     pub covariance: Vec<f64>,
 }
 
@@ -23,7 +23,7 @@ impl Predicted {
 /// Parameters to responses with covariance.
 ///
 /// ```
-/// use calib::{CalibError, Predicted, Simulator};
+/// use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 /// /// A bed whose angle is the arc tangent of its friction, known to 0.1 deg.
 /// struct Wedge;
 /// impl Simulator for Wedge {
@@ -33,15 +33,15 @@ impl Predicted {
 ///     fn speed_range_rpm(&self) -> (f64, f64) {
 ///         (1.0, 10.0)
 ///     }
-///     fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
+///     fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
 ///         let angle = theta[0].atan().to_degrees();
-///         let mean = speeds_rpm.iter().flat_map(|_| [angle, angle, 30.0, 50.0]).collect();
-///         let n = 4 * speeds_rpm.len();
+///         let mean = at.iter().flat_map(|_| [angle, angle, 30.0, 50.0]).collect();
+///         let n = 4 * at.len();
 ///         let covariance = (0..n * n).map(|k| if k % (n + 1) == 0 { 0.01 } else { 0.0 }).collect();
 ///         Ok(Predicted { mean, covariance })
 ///     }
 /// }
-/// let angle = Wedge.predict(&[0.5], &[4.0])?.mean[0];
+/// let angle = Wedge.predict(&[0.5], &[4.0.into()])?.mean[0];
 /// assert!((angle - 26.565).abs() < 1e-3);
 /// # Ok::<(), CalibError>(())
 /// ```
@@ -50,11 +50,11 @@ pub trait Simulator {
     fn parameters(&self) -> Vec<String>;
     /// Speeds within which predictions hold, rpm.
     fn speed_range_rpm(&self) -> (f64, f64);
-    /// Responses at `theta` for each speed.
+    /// Responses at `theta` for each operating point.
     ///
     /// # Errors
     /// [`CalibError`] if the parameters do not fit or a response is not finite.
-    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError>;
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError>;
 
     /// Responses without their covariance, for searches that hold it.
     ///
@@ -63,8 +63,8 @@ pub trait Simulator {
     ///
     /// # Errors
     /// As [`Simulator::predict`].
-    fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
-        self.predict(theta, speeds_rpm).map(|p| p.mean)
+    fn expected(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Vec<f64>, CalibError> {
+        self.predict(theta, at).map(|p| p.mean)
     }
 
     /// Deviance (-2 log likelihood) at `theta` of what was measured besides the observations, such as how far

@@ -9,7 +9,7 @@
 use doe::{Factor, Fit, Model, ModelTerms, Weighting, fit};
 use rig_schema::{Response, SimulatedTable};
 
-use crate::{CalibError, Predicted, Simulator};
+use crate::{CalibError, OperatingPoint, Predicted, Simulator};
 
 /// Terms of the surfaces.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,28 +139,31 @@ impl Surrogate {
         std::iter::once(omega_rpm).chain(values).collect()
     }
 
-    /// Terms of the regression at each speed.
-    fn rows(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<Vec<f64>>, CalibError> {
+    /// Terms of the regression at each speed; a table is of one load.
+    fn rows(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Vec<Vec<f64>>, CalibError> {
         let expected = self.held.iter().filter(|h| h.is_none()).count();
         if theta.len() != expected {
             return Err(CalibError::Parameters { expected, given: theta.len() });
         }
+        if let Some(other) = at.iter().find(|p| p.load > 0) {
+            return Err(CalibError::Load { at: *other });
+        }
         let model = self.fits[0].model();
-        Ok(speeds_rpm.iter().map(|omega| model.row(&self.point(*omega, theta))).collect())
+        Ok(at.iter().map(|p| model.row(&self.point(p.omega_rpm, theta))).collect())
     }
 
     fn means(
         &self,
         rows: &[Vec<f64>],
         theta: &[f64],
-        speeds_rpm: &[f64],
+        at: &[OperatingPoint],
     ) -> Result<Vec<f64>, CalibError> {
         let mut mean = Vec::with_capacity(4 * rows.len());
-        for (row, omega) in rows.iter().zip(speeds_rpm) {
+        for (row, at) in rows.iter().zip(at) {
             for fitted in &self.fits {
                 let value: f64 = row.iter().zip(fitted.coefficients()).map(|(a, b)| a * b).sum();
                 if !value.is_finite() {
-                    return Err(CalibError::NotFinite { omega_rpm: *omega, theta: theta.to_vec() });
+                    return Err(CalibError::NotFinite { at: *at, theta: theta.to_vec() });
                 }
                 mean.push(value);
             }
@@ -212,9 +215,9 @@ impl Simulator for Surrogate {
         self.speed_range
     }
 
-    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
-        let rows = self.rows(theta, speeds_rpm)?;
-        let mean = self.means(&rows, theta, speeds_rpm)?;
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        let rows = self.rows(theta, at)?;
+        let mean = self.means(&rows, theta, at)?;
         let first = &self.fits[0];
         let scale: Vec<f64> = self.fits.iter().map(Fit::rmse).collect();
         let p = first.coefficients().len();
@@ -231,7 +234,7 @@ impl Simulator for Surrogate {
         for (a, row) in rows.iter().enumerate() {
             for b in 0..=a {
                 let leverage: f64 = row.iter().zip(&spread[b]).map(|(x, y)| x * y).sum();
-                let distance = (speeds_rpm[a] - speeds_rpm[b]) / self.misfit_length;
+                let distance = (at[a].omega_rpm - at[b].omega_rpm) / self.misfit_length;
                 let common = leverage + (-0.5 * distance * distance).exp();
                 for r in 0..4 {
                     for s in 0..4 {
@@ -245,7 +248,7 @@ impl Simulator for Surrogate {
         Ok(Predicted { mean, covariance })
     }
 
-    fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
-        self.means(&self.rows(theta, speeds_rpm)?, theta, speeds_rpm)
+    fn expected(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Vec<f64>, CalibError> {
+        self.means(&self.rows(theta, at)?, theta, at)
     }
 }

@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         runs: rest.first().map(|r| r.parse()).transpose()?,
         ..LoopSettings::default()
     };
-    let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+    let looped =
+        CloseLoop { case: &case, measured: &measured, loads: &[], lab: &lab, settings: &settings };
     eprintln!("{} runs at most", looped.planned()?);
     let outcome = looped.run(&mut |t| {
         eprint!("\r{:?} {}/{} ({} runs)   ", t.stage, t.done, t.of, t.runs);

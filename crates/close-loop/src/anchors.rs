@@ -80,7 +80,7 @@ mod tests {
             mean: vec![std::array::from_fn(|r| 20.0 + 10.0 * at.ln() + r as f64 + up)],
             covariance: vec![noise],
             variance: vec![[1.5e-3; 4]],
-            excess: 0.0,
+            excess: vec![0.0],
         }
     }
 
@@ -93,7 +93,7 @@ mod tests {
             roughness: 1.0,
         }];
         let stand_ins: Vec<Sample> = (0..9).map(|k| run(0.2 + 0.05 * f64::from(k), 0.0)).collect();
-        let model = Emulator::fit(axes, vec![0.4], vec![20.0], &stand_ins).unwrap();
+        let model = Emulator::fit(axes, vec![0.4], vec![20.0.into()], &stand_ins).unwrap();
         // Two places, 1.5 and 2.5 above the stand-in there.
         let whole = |names: &[&str], sample: Sample| Whole {
             names: names.iter().map(|n| (*n).to_owned()).collect(),
@@ -110,7 +110,8 @@ mod tests {
         let by = |x: f64| own(&shifted, x) - own(&model, x);
         assert!((by((0.25f64 * 0.5).sqrt()) - 2.0).abs() < 0.05, "{}", by(0.354));
         assert!((by(0.25) - 1.52).abs() < 0.05, "{}", by(0.25));
-        let variance = |m: &Emulator, x: f64| m.predict(&[x], &[20.0]).unwrap().covariance(0, 0);
+        let variance =
+            |m: &Emulator, x: f64| m.predict(&[x], &[20.0.into()]).unwrap().covariance(0, 0);
         // Away from both a shift is unsure by a quarter for each unit.
         let unsure = variance(&shifted, 0.2) - variance(&model, 0.2);
         let units = (0.25f64 / 0.2).ln() / 0.35;

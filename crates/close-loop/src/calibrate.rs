@@ -5,7 +5,6 @@ use calib::{CalibError, Problem};
 use crate::driver::{GRID, Stage, State, Told};
 use crate::emulator::Emulator;
 use crate::error::CloseLoopError;
-use crate::plan::Setup;
 use crate::runs::{fill_box, rig_at, sample};
 use crate::unrest::Unrest;
 
@@ -57,8 +56,8 @@ impl State<'_> {
         let held_out = self.setup.held_out.as_mut();
         for set in std::iter::once(&mut self.setup.observations).chain(held_out) {
             for (item, n) in set.items.iter().zip(&mut set.n_eff) {
-                let simulated = base.variance_of_frame(item.omega_rpm)[item.response.index()];
-                *n /= base.swings(item.omega_rpm).max(1.0);
+                let simulated = base.variance_of_frame(item.at())[item.response.index()];
+                *n /= base.swings(item.at()).max(1.0);
                 if !coarse {
                     *n /= louder(*n, simulated / (item.sd * item.sd));
                 }
@@ -129,14 +128,17 @@ impl State<'_> {
         if !self.setup.scatter_tells {
             return Ok(model);
         }
-        let told = (&self.setup.observations, self.setup.fillings);
+        let fillings: Vec<u32> = self.setup.loads.iter().map(|l| l.fillings).collect();
+        let told = (&self.setup.observations, &fillings[..]);
         Ok(model.with_unrest(Unrest::about(place, &self.base, point, told)?))
     }
 
     pub(crate) fn dress(&self, model: Emulator) -> Emulator {
-        let Setup { volume_sd, fillings, .. } = self.setup;
-        let model = model.with_modes(self.modes.clone()).with_volume_sd(volume_sd);
-        model.with_fillings(fillings).anchored(&self.wholes)
+        let loads = &self.setup.loads;
+        let volume_sd: Vec<f64> = loads.iter().map(|l| l.volume_sd).collect();
+        let fillings: Vec<u32> = loads.iter().map(|l| l.fillings).collect();
+        let model = model.with_modes(self.modes.clone()).with_volume_sd(&volume_sd);
+        model.with_fillings(&fillings).anchored(&self.wholes)
     }
 
     pub(crate) fn problem<'m>(&self, base: &'m Emulator) -> Problem<'m> {

@@ -1,7 +1,7 @@
 //! Models of effects whose strength is a coordinate.
 
 use calib::attribution::{Finding, Strength};
-use calib::{CalibError, Predicted, Simulator};
+use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 
 use crate::catalogue::Effect;
 use crate::curve::Curve;
@@ -104,16 +104,16 @@ impl Simulator for Coded {
         self.inner.simulator().speed_range_rpm()
     }
 
-    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
-        self.inner.simulator().predict(&self.decoded(theta), speeds_rpm)
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        self.inner.simulator().predict(&self.decoded(theta), at)
     }
 
     fn aside(&self, theta: &[f64]) -> Result<Option<f64>, CalibError> {
         self.inner.simulator().aside(&self.decoded(theta))
     }
 
-    fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
-        self.inner.simulator().expected(&self.decoded(theta), speeds_rpm)
+    fn expected(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Vec<f64>, CalibError> {
+        self.inner.simulator().expected(&self.decoded(theta), at)
     }
 }
 

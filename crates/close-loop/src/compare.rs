@@ -56,6 +56,7 @@ pub(crate) fn points(
         .iter()
         .enumerate()
         .map(|(i, o)| Point {
+            load: o.load,
             omega_rpm: o.omega_rpm,
             response: o.response.column(),
             fitted: i < fitted,
@@ -125,7 +126,8 @@ mod tests {
 
     #[test]
     fn a_part_of_the_error_is_told_where_there_was_some_above_the_noise() {
-        let item = |response| Observation { omega_rpm: 30.0, response, mean: 20.0, sd: 1.0 };
+        let item =
+            |response| Observation { load: 0, omega_rpm: 30.0, response, mean: 20.0, sd: 1.0 };
         let items = Response::ALL.map(item);
         let off = |by: f64| vec![(20.0 + by, 0.5); 4];
         // Six noises before, two after: of 35 above the noise 32 go away.

@@ -1,7 +1,7 @@
 //! Fresh runs of the calibrated model and of the winner, and what remains of the error.
 
 use calib::attribution::{Finding, Verdict};
-use calib::{Nuisance, Observations, variance_ratio_p};
+use calib::{Nuisance, Observation, Observations, OperatingPoint, variance_ratio_p};
 use campaign::SpeedRow;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side as Triangle};
@@ -169,7 +169,8 @@ pub(crate) fn outcome(
         confirmed,
         refuted: state.refuted,
         points,
-        speeds_rpm: state.setup.knots.clone(),
+        speeds_rpm: state.setup.loads[0].speeds_rpm.clone(),
+        loads: state.setup.loads.clone(),
         inflation: base.inflation(),
         off_by: off_by(state, &base),
         effort: state.effort,
@@ -188,11 +189,12 @@ pub(crate) fn outcome(
 fn off_by(state: &State<'_>, base: &Emulator) -> Vec<SpeedResponse> {
     let off = base.off(&state.theta).shift;
     let each = state.setup.knots.iter().zip(&off);
-    each.flat_map(|(omega, (mean, covariance))| {
+    each.flat_map(|(at, (mean, covariance))| {
         Response::ALL.map(|response| {
             let r = response.index();
             let sd = covariance[r][r].max(0.0).sqrt();
-            SpeedResponse { omega_rpm: *omega, response: response.column(), mean: mean[r], sd }
+            let (load, omega_rpm) = (at.load, at.omega_rpm);
+            SpeedResponse { load, omega_rpm, response: response.column(), mean: mean[r], sd }
         })
     })
     .collect()
@@ -259,27 +261,26 @@ fn compared(
 ) -> Result<Fresh, CloseLoopError> {
     let n = runs.len() as f64;
     // As if they had the volume that is expected.
-    let excess = runs.iter().map(|m| m.excess).sum::<f64>() / n;
+    let excess = |load: usize| runs.iter().map(|m| m.excess[load]).sum::<f64>() / n;
     let of_volume = base.of_volume(theta);
+    let knots = base.knots();
     let mean = |k: usize, r: usize| {
-        let seen = runs.iter().map(|m| m.run.speeds[k].mean[r]).sum::<f64>() / n;
-        seen - excess * of_volume[k][r]
+        let seen = runs.iter().map(|m| m.rows[k].1.mean[r]).sum::<f64>() / n;
+        seen - excess(knots[k].load) * of_volume[k][r]
     };
-    let shared = vec![base.shift().map(|s| s / n.sqrt()); base.knots().len()];
-    let at = base.frames().iter().enumerate();
+    let shared = knots.iter().map(|k| base.shift(k.load).map(|s| s / n.sqrt())).collect();
+    let at = base.frames().enumerate();
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
-    let unknown = vec![[0.0; 4]; base.knots().len()];
+    let unknown = vec![[0.0; 4]; knots.len()];
     let (at, unsure) = (at.collect(), Vec::new());
     let local = Local { at, unknown, shared, unsure, of_volume };
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
-    let mut distinct: Vec<f64> = items.iter().map(|o| o.omega_rpm).collect();
-    distinct.sort_by(f64::total_cmp);
-    distinct.dedup();
+    let distinct = OperatingPoint::distinct(items.iter().map(Observation::at));
     let predicted = base.spread(&distinct, &local);
-    let spot = |omega: f64, r: Response| 4 * distinct.partition_point(|s| *s < omega) + r.index();
-    let place: Vec<usize> = items.iter().map(|o| spot(o.omega_rpm, o.response)).collect();
+    let spot = |o: &Observation| 4 * distinct.partition_point(|p| *p < o.at()) + o.response.index();
+    let place: Vec<usize> = items.iter().map(spot).collect();
     let noise = |i: usize, j: usize| {
         let own = |o: &Observations, i: usize, j: usize| o.covariance(i, j);
         let measured = match (&state.setup.held_out, i < fitted, j < fitted) {
@@ -343,7 +344,7 @@ fn compared(
         p: p_of(chi2, dof),
         p_all,
     };
-    let volume = (excess, &local.of_volume[..]);
+    let volume = (excess(0), &local.of_volume[..]);
     let predictions = predictions(&asked, volume, &state.setup, base, &nuisance);
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
@@ -411,45 +412,54 @@ fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<Stri
                 .to_owned(),
         );
     }
-    if this.case.data.n_eff.is_none() && this.measured.rows.iter().any(|r| r.n_eff.is_none()) {
+    let given =
+        this.tables().all(|t| t.n_eff.is_some() || t.table.rows.iter().all(|r| r.n_eff.is_some()));
+    if !given {
         all.push(
             "A measured mean counts as 15 independent frames where the table does not say."
                 .to_owned(),
         );
     }
-    if this.measured.rows.iter().all(|r| r.covariance.iter().flatten().all(Option::is_none)) {
+    let rows = || this.tables().flat_map(|t| &t.table.rows);
+    if rows().all(|r| r.covariance.iter().flatten().all(Option::is_none)) {
         all.push(
             "The four responses of a frame swing together with correlation 0.5, since the table gives no covariances.".to_owned(),
         );
     }
-    let [lin, mid, x, y] = base.shift();
-    let measured = match state.setup.fillings {
-        1 => "The measured drum is one filling of many".to_owned(),
-        n => format!("The measured means are over {n} fillings of many"),
-    };
-    all.push(format!(
-        "{measured}: from one of the same volume to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
-    ));
-    let volume = 100.0 * state.setup.volume_sd;
-    if volume >= 0.05 {
-        let middle = state.setup.knots[state.setup.knots.len() / 2];
-        let [lin, mid, x, y] =
-            base.of_volume_at(&base.of_volume(&state.theta), middle).map(|g| 0.01 * g);
+    for (load, own) in state.setup.loads.iter().enumerate() {
+        let of_load = match (state.setup.loads.len(), own.fill) {
+            (1, _) => String::new(),
+            (_, (path, amount)) => format!(" with {path} = {amount}"),
+        };
+        let [lin, mid, x, y] = base.shift(load);
+        let measured = match own.fillings {
+            1 => format!("The measured drum{of_load} is one filling of many"),
+            n => format!("The measured means{of_load} are over {n} fillings of many"),
+        };
         all.push(format!(
-            "Particles of a spread of sizes that are counted have a volume to {volume:.1} %; one per cent more moves the responses at {middle} rpm by {lin:+.2} and {mid:+.2} deg, {x:+.2} and {y:+.2} % of R. The volume of every simulated filling is known, that of the measured one is not."
+            "{measured}: from one of the same volume to the next all speeds shift by {lin:.2} and {mid:.2} deg, {x:.2} and {y:.2} % of R (standard deviations found in the simulations)."
         ));
+        let volume = 100.0 * own.volume_sd;
+        if volume >= 0.05 {
+            let middle = own.speeds_rpm[own.speeds_rpm.len() / 2];
+            let at = OperatingPoint { load, omega_rpm: middle };
+            let [lin, mid, x, y] =
+                base.of_volume_at(&base.of_volume(&state.theta), at).map(|g| 0.01 * g);
+            all.push(format!(
+                "Particles of a spread of sizes that are counted have a volume to {volume:.1} %; one per cent more moves the responses at {at} by {lin:+.2} and {mid:+.2} deg, {x:+.2} and {y:+.2} % of R. The volume of every simulated filling is known, that of the measured one is not."
+            ));
+        }
     }
     let swings = state.setup.knots.iter().map(|k| (*k, base.swings(*k)));
-    if let Some((rpm, most)) = swings.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|s| s.1 > 1.05) {
+    if let Some((at, most)) = swings.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|s| s.1 > 1.05) {
         all.push(format!(
-            "The bed swings more slowly than frames show: means of runs scatter by up to {most:.1} times the variance that their frames give (at {rpm} rpm), and measured frames count for fewer by as much."
+            "The bed swings more slowly than frames show: means of runs scatter by up to {most:.1} times the variance that their frames give (at {at}), and measured frames count for fewer by as much."
         ));
     }
-    if state.setup.knots.len() < this.measured.rows.len() {
+    let (simulated, of) = (state.setup.knots.len(), rows().count());
+    if simulated < of {
         all.push(format!(
-            "{} of {} speeds were simulated; the others are interpolated by a cubic spline.",
-            state.setup.knots.len(),
-            this.measured.rows.len()
+            "{simulated} of {of} speeds were simulated; the others are interpolated by a cubic spline."
         ));
     }
     if state.setup.codes.is_some() {

@@ -1,6 +1,6 @@
 //! Effects that change no motion: known exactly, or by filming the same motion again.
 
-use calib::{CalibError, Predicted, Simulator};
+use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 
 use crate::emulator::Emulator;
 
@@ -73,8 +73,9 @@ impl Simulator for Curve {
         self.base.speed_range_rpm()
     }
 
-    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
         let (strength, base) = self.split(theta)?;
+        self.base.check(base, at)?;
         let mut local = self.base.moments(base);
         for (k, four) in local.at.iter_mut().enumerate() {
             self.shift(k, strength, &mut four.0);
@@ -85,7 +86,7 @@ impl Simulator for Curve {
                 }
             }
         }
-        Ok(self.base.spread(speeds_rpm, &local))
+        Ok(self.base.spread(at, &local))
     }
 
     fn aside(&self, theta: &[f64]) -> Result<Option<f64>, CalibError> {
@@ -93,12 +94,13 @@ impl Simulator for Curve {
         self.base.aside(self.split(theta)?.1)
     }
 
-    fn expected(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Vec<f64>, CalibError> {
+    fn expected(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Vec<f64>, CalibError> {
         let (strength, base) = self.split(theta)?;
-        let mut at = self.base.at_knots(base);
-        for (k, four) in at.iter_mut().enumerate() {
+        self.base.check(base, at)?;
+        let mut knots = self.base.at_knots(base);
+        for (k, four) in knots.iter_mut().enumerate() {
             self.shift(k, strength, four);
         }
-        Ok(self.base.between(speeds_rpm, &at))
+        Ok(self.base.between(at, &knots))
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use calib::attribution::{Finding, Layer, Settings, Verdict};
 use campaign::Laboratory;
-use rig_schema::{Case, MeasuredTable, Rig};
+use rig_schema::{Case, Load, MeasuredTable, Rig};
 
 use crate::anchors::Whole;
 use crate::catalogue::Effect;
@@ -14,8 +14,9 @@ use crate::emulator::Sample;
 use crate::error::CloseLoopError;
 use crate::outcome::Outcome;
 use crate::outlook::{LUCK, MORE_LUCK};
-use crate::plan::{Effort, LoopSettings, Setup};
-use crate::runs::{ByEffect, Runs};
+use crate::plan::{Effort, LoopSettings, Measured, Setup};
+use crate::runs::{ByEffect, Runs, loads};
+use crate::stand_in::StandIn;
 
 /// Where a closed loop stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,10 +58,10 @@ pub struct Told {
 /// What a loop simulates, as it is simulated.
 #[derive(Debug, Clone)]
 pub struct Pilot {
-    /// The rig of every planned run, or what stands in for it.
-    pub rig: Rig,
+    /// The rig of every planned run, or what stands in for it, with each of its loads.
+    pub rigs: Vec<Rig>,
     /// What a stand-in is shifted to agree with, and how many runs of it are made beside those of the plan.
-    pub whole: Option<(Rig, usize)>,
+    pub whole: Option<(Vec<Rig>, usize)>,
 }
 
 /// A loop to be closed.
@@ -68,8 +69,10 @@ pub struct Pilot {
 pub struct CloseLoop<'a> {
     /// Rig, free parameters, nuisances, held-out speeds.
     pub case: &'a Case,
-    /// What was measured.
+    /// What was measured with the rig's own load.
     pub measured: &'a MeasuredTable,
+    /// What was measured with the case's other loads, one table for each.
+    pub loads: &'a [MeasuredTable],
     /// Where simulations are made and kept.
     pub lab: &'a Laboratory,
     /// Runs and statistics.
@@ -179,18 +182,36 @@ impl<'a> State<'a> {
     }
 }
 
+impl<'a> CloseLoop<'a> {
+    /// What was measured, load by load, the rig's own first.
+    pub(crate) fn tables(&self) -> impl Iterator<Item = Measured<'a>> {
+        let data = &self.case.data;
+        let given = |path| self.case.rig.settings.given(path).map(|amount| (path, amount));
+        let fill = given("fill.count").or(given("fill.mass_kg")).unwrap_or(("fill.count", 0.0));
+        let (n_eff, fillings, table) = (data.n_eff, data.fillings, self.measured);
+        let other = |(load, table): (&Load, &'a MeasuredTable)| {
+            let (fill, n_eff) = (load.fill.setting(), load.n_eff);
+            Measured { fill, n_eff, fillings: load.fillings, table }
+        };
+        let others: Vec<Measured<'a>> = data.loads.iter().zip(self.loads).map(other).collect();
+        std::iter::once(Measured { fill, n_eff, fillings, table }).chain(others)
+    }
+}
+
 impl CloseLoop<'_> {
     /// Runs at the middle of the free ranges, to see what they cost.
     ///
     /// # Errors
     /// Those of a case that cannot be simulated.
     pub fn pilot(&self) -> Result<Pilot, CloseLoopError> {
-        let setup = Setup::new(self.case, self.measured, self.settings)?;
+        let setup = Setup::new(self)?;
         let middle = setup.middle()?;
-        let rig = setup.cast.everyday.of(&middle)?;
+        let all = loads(&middle, &setup.further);
+        let cast = |by: StandIn| all.iter().map(|own| by.of(own)).collect::<Result<Vec<Rig>, _>>();
+        let rigs = cast(setup.cast.everyday)?;
         let runs = setup.cast.whole_runs();
-        let whole = setup.cast.whole.map(|w| w.of(&middle)).transpose()?;
-        Ok(Pilot { rig, whole: whole.map(|w| (w, runs)) })
+        let whole = setup.cast.whole.map(cast).transpose()?;
+        Ok(Pilot { rigs, whole: whole.map(|w| (w, runs)) })
     }
 
     /// Runs of the plan, at most.
@@ -198,7 +219,7 @@ impl CloseLoop<'_> {
     /// # Errors
     /// As [`CloseLoop::pilot`]; [`CloseLoopError::Budget`] for too few runs.
     pub fn planned(&self) -> Result<usize, CloseLoopError> {
-        let setup = Setup::new(self.case, self.measured, self.settings)?;
+        let setup = Setup::new(self)?;
         let effects = simulated_effects(&setup);
         Ok(setup.effort(self.settings.runs, effects)?.total(effects))
     }
@@ -305,11 +326,11 @@ impl CloseLoop<'_> {
 
     /// Everything but the fresh runs.
     fn stages(&self, watch: &mut dyn FnMut(&Told)) -> Result<(State<'_>, Finding), CloseLoopError> {
-        let setup = Setup::new(self.case, self.measured, self.settings)?;
+        let setup = Setup::new(self)?;
         let effects = simulated_effects(&setup);
         let effort = setup.effort(self.settings.runs, effects)?;
         let most = self.settings.runs.unwrap_or_else(|| effort.total(effects));
-        let runs = Runs::new(self.lab, setup.cast, self.settings.seed);
+        let runs = Runs::new(self.lab, (setup.cast, setup.further.clone()), self.settings.seed);
         let mut state = State::new(setup, effort, (most, self.settings.time_s), runs);
         state.calibrate(watch)?;
         state.probe(watch)?;

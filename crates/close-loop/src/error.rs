@@ -11,6 +11,16 @@ pub enum CloseLoopError {
         /// Name of the case.
         case: String,
     },
+    /// Tables of loads that do not fit the case.
+    #[error(
+        "the case tells of {expected} loads beside the rig's own, {given} tables are given; expected one for each"
+    )]
+    Loads {
+        /// Loads in the case.
+        expected: usize,
+        /// Tables.
+        given: usize,
+    },
     /// A strength outside the range of its parameter.
     #[error("`{path}` cannot be {value}: it lies outside the parameter's range")]
     Strength {

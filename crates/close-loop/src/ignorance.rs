@@ -14,7 +14,7 @@
 //! these misses best is 0.4 to 0.8 of the standard deviation, times the speed to a power of 0 to 0.25 (0.5 for two effects). The number here
 //! is on the wide side: with 0.6 strengths found from four sets of some fifty runs scattered by more than they said, with 0.75 by less.
 
-use calib::CalibError;
+use calib::{CalibError, OperatingPoint};
 use faer::{Mat, Side};
 
 /// Correlation of the four responses: whole line, middle line, centre of area across and up.
@@ -31,20 +31,24 @@ const ALL: f64 = 0.75;
 const NEAR: f64 = 0.22;
 /// How near: standard deviation in the logarithm of the speed.
 const LENGTH: f64 = 0.9;
+/// Correlation of two loads over that of one.
+const OTHER_LOAD: f64 = 0.8;
 
 /// What surfaces miss over what they say that they do not know, at the middle of the speeds.
 const LESS: f64 = 0.75;
 /// Power of the speed with which that goes.
 const FASTER: f64 = 0.25;
 
-/// Lower factor of the covariance of what is not known at these speeds, in units of what surfaces say of themselves.
-pub(crate) fn alongside(speeds_rpm: &[f64]) -> Result<Vec<Vec<f64>>, CalibError> {
-    let n = speeds_rpm.len();
-    let middle = speeds_rpm.iter().map(|s| s.ln()).sum::<f64>() / n.max(1) as f64;
-    let part = |i: usize| LESS * (FASTER * (speeds_rpm[i].ln() - middle)).exp();
+/// Lower factor of the covariance of what is not known at these points, in units of what surfaces say of themselves.
+pub(crate) fn alongside(points: &[OperatingPoint]) -> Result<Vec<Vec<f64>>, CalibError> {
+    let n = points.len();
+    let speed = |i: usize| points[i].omega_rpm;
+    let middle = (0..n).map(|i| speed(i).ln()).sum::<f64>() / n.max(1) as f64;
+    let part = |i: usize| LESS * (FASTER * (speed(i).ln() - middle)).exp();
     let correlation = |i: usize, j: usize| {
-        let apart = (speeds_rpm[i] / speeds_rpm[j]).ln() / LENGTH;
-        if i == j { 1.0 } else { ALL + NEAR * (-0.5 * apart * apart).exp() }
+        let apart = (speed(i) / speed(j)).ln() / LENGTH;
+        let load = if points[i].load == points[j].load { 1.0 } else { OTHER_LOAD };
+        if i == j { 1.0 } else { load * (ALL + NEAR * (-0.5 * apart * apart).exp()) }
     };
     let fault = |_| CalibError::Covariance { what: "speeds", size: n };
     let factor = Mat::from_fn(n, n, correlation).llt(Side::Lower).map_err(fault)?;
@@ -65,12 +69,14 @@ mod tests {
             let at = 0.3 + 0.02 * f64::from(k);
             let mean = std::array::from_fn(|r| 20.0 + 10.0 * at.ln() + r as f64);
             let (mean, covariance) = (vec![mean; 2], vec![noise; 2]);
-            Sample { at: vec![at], mean, covariance, variance: vec![[1e-3; 4]; 2], excess: 0.0 }
+            let variance = vec![[1e-3; 4]; 2];
+            Sample { at: vec![at], mean, covariance, variance, excess: vec![0.0] }
         };
         let runs: Vec<Sample> = (0..9).map(run).collect();
         let path = "friction.pp".to_owned();
         let axes = vec![Axis { path, scale: Scale::Log, unit: 0.35, roughness }];
-        Emulator::fit(axes, vec![0.4], speeds_rpm.to_vec(), &runs).unwrap()
+        Emulator::fit(axes, vec![0.4], speeds_rpm.map(OperatingPoint::from).to_vec(), &runs)
+            .unwrap()
     }
 
     #[test]
@@ -81,7 +87,7 @@ mod tests {
         // Five units away from all runs.
         assert!(there.unknown[0][0] > 1.0, "{:?}", there.unknown);
         let unknown = [[1.0, 2.0, 0.5, 1.5], [3.0, 1.0, 1.0, 0.1]];
-        let of = |local: &Local| model.spread(&speeds, local);
+        let of = |local: &Local| model.spread(&speeds.map(OperatingPoint::from), local);
         there.unknown = unknown.to_vec();
         let with = of(&there);
         there.unknown = vec![[0.0; 4]; 2];
@@ -112,7 +118,7 @@ mod tests {
 
     #[test]
     fn the_factor_gives_the_correlation_back() {
-        let speeds = [15.0, 25.0, 35.0, 45.0, 55.0, 70.0, 70.5];
+        let speeds = [15.0, 25.0, 35.0, 45.0, 55.0, 70.0, 70.5].map(OperatingPoint::from);
         let lower = alongside(&speeds).unwrap();
         let of = |i: usize, j: usize| -> f64 {
             lower[i].iter().zip(&lower[j]).map(|(a, b)| a * b).sum()
@@ -125,7 +131,7 @@ mod tests {
         // 15 and 70 rpm: 0.75 + 0.22 exp(-1.4648).
         let between = of(0, 5) / (of(0, 0) * of(5, 5)).sqrt();
         assert!((between - 0.8009).abs() < 1e-4, "{between}");
-        assert_eq!(alongside(&[20.0]).unwrap(), vec![vec![LESS]]);
+        assert_eq!(alongside(&[20.0.into()]).unwrap(), vec![vec![LESS]]);
     }
 
     #[test]

@@ -46,7 +46,9 @@ pub use curve::{Change, Curve};
 pub use driver::{CloseLoop, Pilot, Stage, Told};
 pub use emulator::{Axis, Emulator, Sample};
 pub use error::CloseLoopError;
-pub use outcome::{Errors, Outcome, Point, ResponseErrors, Side, SpeedResponse, StrengthOf};
+pub use outcome::{
+    Errors, LoadOf, Outcome, Point, ResponseErrors, Side, SpeedResponse, StrengthOf,
+};
 pub use plan::{Effort, LoopSettings};
 pub use scale::Scale;
 pub use stand_in::Fidelity;

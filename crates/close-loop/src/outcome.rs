@@ -8,6 +8,8 @@ use crate::plan::Effort;
 /// A response at a speed: measured, and both models by fresh runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
+    /// Which load of the drum, 0 for the rig's own.
+    pub load: usize,
     /// Speed, rpm.
     pub omega_rpm: f64,
     /// Column of the response.
@@ -59,6 +61,8 @@ pub struct Errors {
 /// A response at a speed, with what it is uncertain by.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedResponse {
+    /// Which load of the drum, 0 for the rig's own.
+    pub load: usize,
     /// Speed, rpm.
     pub omega_rpm: f64,
     /// Column of the response.
@@ -83,6 +87,19 @@ pub struct Side {
     /// Responses at the speeds that were asked for: means over fresh runs, nuisances at their estimates, with the standard deviation of a
     /// drum filled anew, without that of its frames.
     pub predictions: Vec<SpeedResponse>,
+}
+
+/// A load of the drum.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LoadOf {
+    /// Path of its amount, and the amount.
+    pub fill: (&'static str, f64),
+    /// Speeds at which it was simulated, rpm.
+    pub speeds_rpm: Vec<f64>,
+    /// Fillings that were measured.
+    pub fillings: u32,
+    /// Standard deviation of the volume of one of them, as a part of it.
+    pub volume_sd: f64,
 }
 
 /// Strength of a named effect.
@@ -134,8 +151,10 @@ pub struct Outcome {
     pub refuted: usize,
     /// Responses point by point.
     pub points: Vec<Point>,
-    /// Speeds that were simulated, rpm.
+    /// Speeds at which the rig's own load was simulated, rpm.
     pub speeds_rpm: Vec<f64>,
+    /// Loads of the drum, the rig's own first.
+    pub loads: Vec<LoadOf>,
     /// Variance of runs over that of their frames.
     pub inflation: f64,
     /// What the rig shows beyond its coarse stand-in, and was added to that; empty where the rig itself was simulated.

@@ -272,6 +272,7 @@ mod tests {
     use rig_schema::{Case, MeasuredTable};
 
     use super::*;
+    use crate::driver::CloseLoop;
     use crate::plan::{Effort, LoopSettings, Setup};
     use crate::runs::Runs;
 
@@ -303,8 +304,10 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
     fn nothing_known(lab: &Laboratory) -> State<'_> {
         let case = Case::parse("case.toml", CASE).unwrap();
         let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
-        let setup = Setup::new(&case, &measured, &LoopSettings::default()).unwrap();
-        let runs = Runs::new(lab, setup.cast, 1);
+        let settings = LoopSettings::default();
+        let (case, measured, settings) = (&case, &measured, &settings);
+        let setup = Setup::new(&CloseLoop { case, measured, loads: &[], lab, settings }).unwrap();
+        let runs = Runs::new(lab, (setup.cast, Vec::new()), 1);
         State::new(setup, Effort::nothing(), (0, None), runs)
     }
 
@@ -321,7 +324,7 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
                 mean: vec![[lin, lin + 1.0, 10.0, 15.0]; 2],
                 covariance: vec![noise; 2],
                 variance: vec![[0.1; 4]; 2],
-                excess: 0.0,
+                excess: vec![0.0],
             }
         };
         let frictions = [0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7];
@@ -367,7 +370,7 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
             mean: vec![[30.0, 31.0, 10.0, 15.0]; 2],
             covariance: vec![[[0.1; 4]; 4]; 2],
             variance: vec![[1.0; 4]; 2],
-            excess: 0.0,
+            excess: vec![0.0],
         };
         // Nothing to learn from a drum that failed, nor of a reading, which no particles show.
         for (names, own) in [(&physics, vec![]), (&reading, vec![run.clone()])] {

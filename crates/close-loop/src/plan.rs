@@ -1,21 +1,32 @@
 //! What a case asks for, and how many runs go where.
 
 use calib::attribution::{CodeCovariance, Settings as AttributionSettings};
-use calib::{FrameCorrelation, FreeParameter, Nuisance, Observations};
+use calib::{FrameCorrelation, FreeParameter, Nuisance, Observations, OperatingPoint};
 use campaign::{CampaignError, drum_rig};
-use rig_schema::{Case, Layer, MeasuredTable, Rig, Simulator, namespace};
+use rig_schema::{Layer, MeasuredTable, Rig, Simulator, namespace};
 
 use crate::catalogue::{Catalogue, roughness};
 use crate::codes::Codes;
+use crate::driver::CloseLoop;
 use crate::emulator::Axis;
 use crate::error::CloseLoopError;
-use crate::runs::{fill_box, rig_at};
+use crate::outcome::LoadOf;
+use crate::runs::{Further, fill_box, loads, rig_at};
 use crate::scale::Scale;
 use crate::speeds::knots;
 use crate::stand_in::{Cast, Fidelity};
 
 /// Independent frames in a measured mean where neither the case nor the table says.
 const DEFAULT_N_EFF: f64 = 15.0;
+
+/// What was measured with one load, as the case tells it.
+pub(crate) struct Measured<'a> {
+    /// Path of its amount, and the amount.
+    pub(crate) fill: (&'static str, f64),
+    pub(crate) n_eff: Option<f64>,
+    pub(crate) fillings: Option<u32>,
+    pub(crate) table: &'a MeasuredTable,
+}
 
 /// How a loop is closed: what is no property of the case.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,7 +191,12 @@ pub(crate) struct Setup {
     pub(crate) cast: Cast,
     pub(crate) free: Vec<FreeParameter>,
     pub(crate) axes: Vec<Axis>,
-    pub(crate) knots: Vec<f64>,
+    /// Operating points that are simulated, in order.
+    pub(crate) knots: Vec<OperatingPoint>,
+    /// Loads of the drum, the rig's own first.
+    pub(crate) loads: Vec<LoadOf>,
+    /// Those beside the rig's own, as they are simulated.
+    pub(crate) further: Vec<Further>,
     pub(crate) observations: Observations,
     pub(crate) held_out: Option<Observations>,
     pub(crate) nuisances: Vec<Nuisance>,
@@ -189,10 +205,6 @@ pub(crate) struct Setup {
     pub(crate) catalogue: Catalogue,
     /// Speeds to predict, rpm.
     pub(crate) predict: Vec<f64>,
-    /// Standard deviation of the volume of a filling of the rig, as a part of it.
-    pub(crate) volume_sd: f64,
-    /// Fillings of the drum that were measured.
-    pub(crate) fillings: u32,
     /// Whether the scatter of frames says something: where it is known of all means, and what is simulated is no
     /// stand-in of few large particles, which scatter more.
     pub(crate) scatter_tells: bool,
@@ -203,22 +215,41 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    pub(crate) fn new(
-        case: &Case,
-        measured: &MeasuredTable,
-        settings: &LoopSettings,
-    ) -> Result<Self, CloseLoopError> {
+    pub(crate) fn new(this: &CloseLoop<'_>) -> Result<Self, CloseLoopError> {
+        let CloseLoop { case, settings, .. } = *this;
         let Simulator::Rig { coarse: stand_in } = case.simulator else {
             return Err(CloseLoopError::NoRig { case: case.rig.name.clone() });
         };
-        let count = measured.rows.len();
-        let all: Vec<f64> = measured.rows.iter().map(|r| r.omega_rpm).collect();
-        let knots = knots(&all, settings.most_speeds);
+        if case.data.loads.len() != this.loads.len() {
+            let (expected, given) = (case.data.loads.len(), this.loads.len());
+            return Err(CloseLoopError::Loads { expected, given });
+        }
+        let simulated = |t: &Measured<'_>| {
+            let all: Vec<f64> = t.table.rows.iter().map(|r| r.omega_rpm).collect();
+            knots(&all, settings.most_speeds)
+        };
+        let speeds: Vec<Vec<f64>> = this.tables().map(|t| simulated(&t)).collect();
         let mut rig = case.rig.clone();
-        rig.run.speeds_rpm.clone_from(&knots);
+        rig.run.speeds_rpm.clone_from(&speeds[0]);
+        let further: Vec<Further> =
+            case.data.loads.iter().cloned().zip(speeds[1..].iter().cloned()).collect();
         let cast = Cast::of(settings.fidelity, stand_in, &rig)?;
-        // Refused now rather than run by run.
-        cast.everyday.of(&rig)?;
+        let mut loads_of = Vec::new();
+        for (t, own) in this.tables().zip(loads(&rig, &further)) {
+            // Refused now rather than run by run.
+            cast.everyday.of(&own)?;
+            let volume_sd = drum_rig::solid_volume(&own).map_err(CampaignError::from)?.relative_sd;
+            let fillings = t.fillings.unwrap_or(1).max(1);
+            let speeds_rpm = own.run.speeds_rpm;
+            loads_of.push(LoadOf { fill: t.fill, speeds_rpm, fillings, volume_sd });
+        }
+        let knots = loads_of
+            .iter()
+            .enumerate()
+            .flat_map(|(load, own)| {
+                own.speeds_rpm.iter().map(move |s| OperatingPoint { load, omega_rpm: *s })
+            })
+            .collect();
         let mut free = Vec::new();
         let mut axes = Vec::new();
         for f in &case.free {
@@ -242,16 +273,27 @@ impl Setup {
                 None => return Err(CloseLoopError::Nuisance { path: n.path.clone() }),
             }
         }
-        let n_eff = case.data.n_eff.unwrap_or(DEFAULT_N_EFF);
         let range = (f64::NEG_INFINITY, f64::INFINITY);
-        let (every, _) =
-            Observations::from_table(measured, range, n_eff, FrameCorrelation::default())?;
-        let kept_aside = |omega: f64| {
-            let index = all.iter().position(|s| *s == omega).unwrap_or(0);
-            case.holds_out(index, count, omega)
+        let mut split: Option<(Observations, Observations)> = None;
+        for (load, t) in this.tables().enumerate() {
+            let n_eff = t.n_eff.unwrap_or(DEFAULT_N_EFF);
+            let frames = FrameCorrelation::default();
+            let every = Observations::from_table(t.table, range, n_eff, frames)?.0.with_load(load);
+            let rows = &t.table.rows;
+            let kept_aside = |omega: f64| {
+                let index = rows.iter().position(|r| r.omega_rpm == omega).unwrap_or(0);
+                case.holds_out(index, rows.len(), omega)
+            };
+            let fitted = every.filter(|o| !kept_aside(o.omega_rpm));
+            let held = every.filter(|o| kept_aside(o.omega_rpm));
+            split = Some(match split {
+                None => (fitted, held),
+                Some((f, h)) => (f.followed_by(&fitted), h.followed_by(&held)),
+            });
+        }
+        let Some((observations, held_out)) = split else {
+            return Err(CloseLoopError::Loads { expected: 1, given: 0 });
         };
-        let observations = every.filter(|o| !kept_aside(o.omega_rpm));
-        let held_out = every.filter(|o| kept_aside(o.omega_rpm));
         let taken: Vec<String> = case
             .free
             .iter()
@@ -262,15 +304,15 @@ impl Setup {
         if !case.catalogue.only.is_empty() {
             catalogue = catalogue.only(&case.catalogue.only);
         }
-        let volume_sd = drum_rig::solid_volume(&rig).map_err(CampaignError::from)?.relative_sd;
-        let cells = || measured.rows.iter().flat_map(|r| r.cells.iter().flatten());
+        let rows = || this.tables().flat_map(|t| &t.table.rows);
+        let mut cells = rows().flat_map(|r| r.cells.iter().flatten());
         let scatter_tells =
-            cast.everyday.coarse.is_none() && cells().all(|c| c.sd.is_some_and(|sd| sd > 0.0));
+            cast.everyday.coarse.is_none() && cells.all(|c| c.sd.is_some_and(|sd| sd > 0.0));
         Ok(Self {
             rig,
             scatter_tells,
-            volume_sd,
-            fillings: case.data.fillings.unwrap_or(1).max(1),
+            loads: loads_of,
+            further,
             cast,
             free,
             axes,
@@ -295,12 +337,18 @@ impl Setup {
         Effort::of(runs, self.free.len(), effects, self.cast.fresh.is_some())
     }
 
-    /// Speeds of the fresh runs: those of all others, and those to predict.
+    /// Speeds of the fresh runs of the rig's own load: those of all others, and those to predict.
     pub(crate) fn speeds_of_fresh_runs(&self) -> Vec<f64> {
-        let mut all: Vec<f64> = self.knots.iter().chain(&self.predict).copied().collect();
+        let own = &self.loads[0].speeds_rpm;
+        let mut all: Vec<f64> = own.iter().chain(&self.predict).copied().collect();
         all.sort_by(f64::total_cmp);
         all.dedup();
         all
+    }
+
+    /// Fillings that were measured, of the load of which there are most.
+    pub(crate) fn most_fillings(&self) -> usize {
+        self.loads.iter().map(|l| l.fillings as usize).max().unwrap_or(1)
     }
 
     /// The rig at the middle of the free ranges.

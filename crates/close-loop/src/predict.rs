@@ -1,5 +1,6 @@
-//! What confirmed models say of speeds that nobody measured.
+//! What confirmed models say of speeds of the rig's own load that nobody measured.
 
+use calib::OperatingPoint;
 use campaign::SpeedRow;
 use rig_schema::Response;
 
@@ -12,10 +13,13 @@ use crate::runs::Made;
 /// out of the runs.
 pub(crate) fn predicted_rows(runs: &mut [Made], setup: &Setup) -> Vec<Vec<SpeedRow>> {
     runs.iter_mut()
-        .map(|Made { run, .. }| {
-            let find = |omega: &f64| run.speeds.iter().find(|s| s.omega_rpm == *omega).cloned();
+        .map(|Made { rows, .. }| {
+            let find = |omega: &f64| {
+                let at = OperatingPoint::from(*omega);
+                rows.iter().find(|(p, _)| *p == at).map(|(_, row)| row.clone())
+            };
             let own = setup.predict.iter().filter_map(find).collect();
-            run.speeds.retain(|s| setup.knots.contains(&s.omega_rpm));
+            rows.retain(|(p, _)| setup.knots.contains(p));
             own
         })
         .collect()
@@ -31,21 +35,24 @@ pub(crate) fn predictions(
     nuisance: &dyn Fn(Response, f64) -> f64,
 ) -> Vec<SpeedResponse> {
     let n = runs.len() as f64;
-    let shift = base.shift();
+    let shift = base.shift(0);
+    let volume_sd = setup.loads[0].volume_sd;
     let mut all = Vec::new();
     for (k, omega) in setup.predict.iter().enumerate() {
+        let at = OperatingPoint::from(*omega);
         let rows: Vec<&SpeedRow> = runs.iter().filter_map(|r| r.get(k)).collect();
         for response in Response::ALL {
             let r = response.index();
             let mut mean = rows.iter().map(|s| s.mean[r]).sum::<f64>() / n;
-            let frames = rows.iter().map(|s| s.covariance[r][r]).sum::<f64>() / (n * n)
-                * base.swings(*omega);
-            let more = base.of_volume_at(of_volume, *omega)[r];
-            let filling = shift[r].powi(2) * (1.0 + 1.0 / n) + (setup.volume_sd * more).powi(2);
+            let frames =
+                rows.iter().map(|s| s.covariance[r][r]).sum::<f64>() / (n * n) * base.swings(at);
+            let more = base.of_volume_at(of_volume, at)[r];
+            let filling = shift[r].powi(2) * (1.0 + 1.0 / n) + (volume_sd * more).powi(2);
             let variance = frames + filling;
             mean -= excess * more;
             mean += nuisance(response, mean);
             all.push(SpeedResponse {
+                load: 0,
                 omega_rpm: *omega,
                 response: response.column(),
                 mean,

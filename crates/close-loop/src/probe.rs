@@ -166,7 +166,7 @@ impl State<'_> {
             let mut own = vec![[0.0; 4]; knots];
             for i in 0..knots {
                 for r in 0..4 {
-                    let seen = |made: &Made| made.run.speeds[i].mean[r];
+                    let seen = |made: &Made| made.rows[i].1.mean[r];
                     let (z, d, u) = (seen(zero), seen(down), seen(up));
                     own[i][r] = 0.5 * (u - d);
                     first[i][r] += own[i][r];

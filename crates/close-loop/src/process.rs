@@ -509,6 +509,7 @@ fn log_prior(value: f64, (middle, sd): (f64, f64)) -> f64 {
 mod tests {
     use super::*;
     use crate::ignorance::alongside;
+    use calib::OperatingPoint;
 
     /// Angle of a bed against the logarithm of friction: rises, then levels off; an effect that acts
     /// beyond a threshold.
@@ -583,7 +584,7 @@ mod tests {
             .collect();
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let frame = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 0.09));
-        let alongside = alongside(&[15.0, 30.0, 45.0, 60.0]).unwrap();
+        let alongside = alongside(&[15.0, 30.0, 45.0, 60.0].map(OperatingPoint::from)).unwrap();
         let runs = (coded, vec![0.0; 40]);
         Process::fit(runs, &[0.0], &rows, vec![frame; 4], &alongside, &[1.0; 40]).unwrap().scatter
     }
@@ -619,7 +620,8 @@ mod tests {
             coded.iter().zip(&excess).map(|(z, e)| one(z[0], *e)).collect();
         let rows: Vec<&[[f64; 4]]> = runs.iter().map(|r| &r[..]).collect();
         let frame = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 0.04));
-        let alongside = alongside(&[15.0, 25.0, 35.0, 45.0, 55.0, 70.0]).unwrap();
+        let alongside =
+            alongside(&[15.0, 25.0, 35.0, 45.0, 55.0, 70.0].map(OperatingPoint::from)).unwrap();
         let fit = |excess: Vec<f64>| {
             let runs = (coded.clone(), excess);
             Process::fit(runs, &[0.0], &rows, vec![frame; 6], &alongside, &[1.0; 36]).unwrap()

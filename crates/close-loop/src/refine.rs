@@ -135,7 +135,7 @@ impl State<'_> {
         let near = |x: &[f64]| model.apart(x, at) < NEAR;
         let made = self.seen(effects).iter().filter(|s| near(&s.at)).count();
         // What is measured well is told apart only by surfaces that are known as well.
-        let fillings = if enough > ENOUGH[0] { self.setup.fillings as usize } else { 1 };
+        let fillings = if enough > ENOUGH[0] { self.setup.most_fillings() } else { 1 };
         let known = model.doubt(at) <= KNOWN || made >= enough * fillings;
         known || self.lost(effects).iter().any(|x| near(x))
     }

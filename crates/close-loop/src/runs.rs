@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use campaign::{CampaignError, Laboratory, Run, drum_rig};
+use calib::OperatingPoint;
+use campaign::{CampaignError, Laboratory, Run, SpeedRow, drum_rig};
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rig_schema::Rig;
+use rig_schema::{Load, Rig};
 
 use crate::catalogue::{Effect, set};
 use crate::clock::Clock;
@@ -14,18 +15,38 @@ use crate::emulator::{Axis, Sample, distance_squared};
 use crate::error::CloseLoopError;
 use crate::stand_in::{Cast, StandIn};
 
-/// A run, and what is known of its filling.
-#[derive(Clone)]
+/// A run, which turns every load of the drum, and what is known of its fillings.
+#[derive(Clone, Default)]
 pub(crate) struct Made {
-    pub(crate) run: Run,
-    /// By how much more solid it held than is expected of the rig, as a part of that.
-    pub(crate) excess: f64,
+    /// What was seen where, in order.
+    pub(crate) rows: Vec<(OperatingPoint, SpeedRow)>,
+    /// By how much more solid it held than is expected of the rig, load by load, as a part of that.
+    pub(crate) excess: Vec<f64>,
+    cost_s: f64,
+    steps: u64,
 }
+
+impl Made {
+    /// Take in the run of the next load.
+    fn join(&mut self, run: Run, excess: f64) {
+        let load = self.excess.len();
+        let at = |row: SpeedRow| (OperatingPoint { load, omega_rpm: row.omega_rpm }, row);
+        self.rows.extend(run.speeds.into_iter().map(at));
+        self.excess.push(excess);
+        self.cost_s += run.cost_s;
+        self.steps += run.steps;
+    }
+}
+
+/// A load beside the rig's own, and the speeds at which it is simulated.
+pub(crate) type Further = (Load, Vec<f64>);
 
 /// Everything simulated so far, and what failed.
 pub(crate) struct Runs<'a> {
     pub(crate) lab: &'a Laboratory,
     pub(crate) cast: Cast,
+    /// Loads beside the rig's own.
+    further: Vec<Further>,
     pub(crate) seed: u64,
     /// Runs asked for, kept ones included.
     pub(crate) made: usize,
@@ -40,10 +61,25 @@ pub(crate) struct Runs<'a> {
 }
 
 impl<'a> Runs<'a> {
-    pub(crate) fn new(lab: &'a Laboratory, cast: Cast, seed: u64) -> Self {
+    pub(crate) fn new(
+        lab: &'a Laboratory,
+        (cast, further): (Cast, Vec<Further>),
+        seed: u64,
+    ) -> Self {
         let clock = Clock::new(lab.jobs());
         let failed = Vec::new();
-        Self { lab, cast, seed, made: 0, everyday: 0, cost_s: 0.0, clock, steps: 0, failed }
+        Self {
+            lab,
+            cast,
+            further,
+            seed,
+            made: 0,
+            everyday: 0,
+            cost_s: 0.0,
+            clock,
+            steps: 0,
+            failed,
+        }
     }
 
     /// Seed of a filling: the same for the same stage and number.
@@ -69,7 +105,12 @@ impl<'a> Runs<'a> {
         ChaCha8Rng::seed_from_u64(seed).next_u64() >> 12
     }
 
-    /// Run rigs; a rig that fails is noted under its label and gives `None`.
+    /// The rig with each of its loads.
+    fn loads(&self, rig: &Rig) -> Vec<Rig> {
+        loads(rig, &self.further)
+    }
+
+    /// Run rigs with all loads; a rig that fails is noted under its label and gives `None`.
     pub(crate) fn all(
         &mut self,
         stage: Stage,
@@ -80,39 +121,48 @@ impl<'a> Runs<'a> {
         let stand_in = if whole { self.cast.whole } else { Some(self.cast.everyday) };
         let stand_in = stand_in.unwrap_or(StandIn::NONE);
         // A stand-in that cannot be described is a run that failed.
-        let described: Vec<_> = rigs.iter().map(|(_, rig)| stand_in.of(rig)).collect();
-        let list: Vec<Rig> = described.iter().filter_map(|r| r.as_ref().ok().cloned()).collect();
-        let (mut done, of) = (0, list.len());
+        let describe = |rig: &Rig| -> Result<Vec<Rig>, drum_rig::Error> {
+            self.loads(rig).iter().map(|own| stand_in.of(own)).collect()
+        };
+        let described: Vec<_> = rigs.iter().map(|(_, rig)| describe(rig)).collect();
+        let list: Vec<Rig> = described.iter().flatten().flatten().cloned().collect();
+        let loads = 1 + self.further.len();
+        let (mut ended, of) = (0, list.len() / loads);
         let made = self.made;
         // Filming a motion again is no run.
         let counts = usize::from(stage != Stage::Filming);
-        watch(&Told { stage, done, of, runs: made, cost_s: None });
+        watch(&Told { stage, done: 0, of, runs: made, cost_s: None });
         let results = self.lab.run(&list, |d| {
-            done += 1;
+            ended += 1;
+            let done = ended / loads;
             let cost_s = d.run.ok().filter(|_| !d.kept).map(|r| r.cost_s);
             watch(&Told { stage, done, of, runs: made + counts * done, cost_s });
         });
         self.made += counts * of;
         self.everyday += if whole { 0 } else { counts * of };
         if stage != Stage::Filming {
-            let costs = results.iter().flatten().map(|run| run.cost_s);
-            self.clock.tell(whole, &costs.collect::<Vec<_>>());
+            let cost = |all: &[Result<Run, CampaignError>]| {
+                let costs = all.iter().flatten().map(|run| run.cost_s);
+                (costs.clone().count() > 0).then(|| costs.sum::<f64>())
+            };
+            let costs: Vec<f64> = results.chunks(loads).filter_map(cost).collect();
+            self.clock.tell(whole, &costs);
         }
         let mut runs = Vec::new();
         let mut results = results.into_iter();
-        for (rig, (label, _)) in described.into_iter().zip(rigs) {
-            let result = match rig {
+        for (own, (label, _)) in described.into_iter().zip(rigs) {
+            let result = match own {
                 // One result for each rig that was described.
-                Ok(rig) => results.next().ok_or(CampaignError::Stopped).flatten().and_then(|run| {
-                    let excess = drum_rig::solid_volume(&rig)?.excess();
-                    Ok(Made { run, excess })
-                }),
+                Ok(own) => {
+                    let all: Vec<_> = results.by_ref().take(loads).collect();
+                    joined(own, all)
+                }
                 Err(e) => Err(e.into()),
             };
             match result {
                 Ok(made) => {
-                    self.cost_s += made.run.cost_s;
-                    self.steps += made.run.steps;
+                    self.cost_s += made.cost_s;
+                    self.steps += made.steps;
                     runs.push(Some(made));
                 }
                 Err(CampaignError::Stopped) => return Err(CloseLoopError::Stopped),
@@ -127,6 +177,28 @@ impl<'a> Runs<'a> {
         }
         Ok(runs)
     }
+}
+
+/// The rig with each of its loads: its own at its own speeds, the further ones at theirs.
+pub(crate) fn loads(rig: &Rig, further: &[Further]) -> Vec<Rig> {
+    let with = |(load, speeds_rpm): &Further| {
+        let mut own = load.of(rig);
+        own.run.speeds_rpm.clone_from(speeds_rpm);
+        own
+    };
+    std::iter::once(rig.clone()).chain(further.iter().map(with)).collect()
+}
+
+/// Runs of all loads as one.
+fn joined(rigs: Vec<Rig>, results: Vec<Result<Run, CampaignError>>) -> Result<Made, CampaignError> {
+    if results.len() < rigs.len() {
+        return Err(CampaignError::Stopped);
+    }
+    let mut made = Made::default();
+    for (rig, run) in rigs.iter().zip(results) {
+        made.join(run?, drum_rig::solid_volume(rig)?.excess());
+    }
+    Ok(made)
 }
 
 /// An error with its causes.
@@ -184,13 +256,14 @@ pub(crate) fn rig_with_all(
 }
 
 /// What a run showed, at a point.
-pub(crate) fn sample(at: Vec<f64>, Made { run, excess }: &Made) -> Sample {
+pub(crate) fn sample(at: Vec<f64>, made: &Made) -> Sample {
+    let rows = || made.rows.iter().map(|(_, row)| row);
     Sample {
         at,
-        mean: run.speeds.iter().map(|s| s.mean).collect(),
-        covariance: run.speeds.iter().map(|s| s.covariance).collect(),
-        variance: run.speeds.iter().map(|s| s.sd.map(|sd| sd * sd)).collect(),
-        excess: *excess,
+        mean: rows().map(|s| s.mean).collect(),
+        covariance: rows().map(|s| s.covariance).collect(),
+        variance: rows().map(|s| s.sd.map(|sd| sd * sd)).collect(),
+        excess: made.excess.clone(),
     }
 }
 
@@ -259,7 +332,7 @@ glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
         let rig = Rig::parse("fillings.toml", RIG).unwrap();
         let cast = Cast::of(Fidelity::Case, false, &rig).unwrap();
-        let runs = |seed| Runs::new(&lab, cast, seed);
+        let runs = |seed| Runs::new(&lab, (cast, Vec::new()), seed);
         let (a, b) = ([Effect::bare("a")], [Effect::bare("b")]);
         let both = [Effect::bare("a"), Effect::bare("b")];
         let one = runs(1).filling_at(&a, &[0.3, 1.0], 0);

@@ -6,7 +6,9 @@
 //! that the table lacks, and is called not in the catalogue.
 
 use calib::attribution::{Attribution, Candidate, Finding, Settings, Verdict};
-use calib::{CalibError, Observations, Predicted, Problem, Simulator, Study, Surrogate};
+use calib::{
+    CalibError, Observations, OperatingPoint, Predicted, Problem, Simulator, Study, Surrogate,
+};
 use rig_schema::{Case, Response};
 
 use crate::catalogue::{Catalogue, Effect};
@@ -59,7 +61,7 @@ impl Simulator for Misread<'_> {
         self.base.speed_range_rpm()
     }
 
-    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
         let expected = self.parameters().len();
         let Some((strength, base)) = theta.split_last().filter(|_| theta.len() == expected) else {
             return Err(CalibError::Parameters { expected, given: theta.len() });
@@ -68,11 +70,14 @@ impl Simulator for Misread<'_> {
             // The drum turned at another speed than was written down; beyond the table's range
             // its end stands in.
             let (low, high) = self.base.speed_range_rpm();
-            let true_speed = |s: &f64| (s * strength / self.null).clamp(low, high);
-            let speeds: Vec<f64> = speeds_rpm.iter().map(true_speed).collect();
-            self.base.predict(base, &speeds)?
+            let true_speed = |p: &OperatingPoint| OperatingPoint {
+                omega_rpm: (p.omega_rpm * strength / self.null).clamp(low, high),
+                ..*p
+            };
+            let true_speeds: Vec<OperatingPoint> = at.iter().map(true_speed).collect();
+            self.base.predict(base, &true_speeds)?
         } else {
-            self.base.predict(base, speeds_rpm)?
+            self.base.predict(base, at)?
         };
         self.change(*strength, &mut predicted.mean);
         Ok(predicted)
@@ -193,6 +198,7 @@ pub fn close_with_table(
         refuted: 0,
         points: compare::points(&items, fitted, &values, last_values),
         speeds_rpm: Vec::new(),
+        loads: Vec::new(),
         inflation: 1.0,
         off_by: Vec::new(),
         effort: Effort::nothing(),
@@ -256,29 +262,26 @@ impl Table<'_> {
         };
         let chi2 = problem.chi2_at(theta)?;
         let fitted = problem.residuals_at(theta)?;
-        let speeds = self.study.observations.speeds_rpm();
-        let raw = model.predict(theta, &speeds)?.mean;
-        let unmoved =
-            |omega: f64, r: Response| raw[4 * speeds.partition_point(|s| *s < omega) + r.index()];
+        let (points, place) = self.study.observations.places();
+        let raw = model.predict(theta, &points)?.mean;
         // What the fitted speeds say of the nuisances holds at the others too.
         let shift: Vec<f64> = Response::ALL
             .iter()
             .map(|r| {
                 let of: Vec<f64> = fitted
                     .iter()
-                    .filter(|x| x.response == *r)
-                    .map(|x| x.model - unmoved(x.omega_rpm, x.response))
+                    .zip(&place)
+                    .filter(|(x, _)| x.response == *r)
+                    .map(|(x, unmoved)| x.model - raw[*unmoved])
                     .collect();
                 of.iter().sum::<f64>() / of.len().max(1) as f64
             })
             .collect();
         let mut values: Values = fitted.iter().map(|r| (r.model, r.sd)).collect();
         if let Some(held) = self.held_out {
-            let speeds = held.speeds_rpm();
-            let predicted = model.predict(theta, &speeds)?;
-            for (i, o) in held.items.iter().enumerate() {
-                let k = speeds.partition_point(|s| *s < o.omega_rpm);
-                let at = 4 * k + o.response.index();
+            let (points, place) = held.places();
+            let predicted = model.predict(theta, &points)?;
+            for (i, (o, at)) in held.items.iter().zip(place).enumerate() {
                 let variance = predicted.covariance(at, at) + held.covariance(i, i);
                 values.push((predicted.mean[at] + shift[o.response.index()], variance.sqrt()));
             }

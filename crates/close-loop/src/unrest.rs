@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use calib::{CalibError, Observations, Simulator as _};
+use calib::{CalibError, Observations, OperatingPoint, Simulator as _};
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
@@ -29,8 +29,8 @@ const QUIET: f64 = 1e-3;
 /// What was measured.
 #[derive(Debug, Clone, PartialEq)]
 struct Told {
-    speeds_rpm: Vec<f64>,
-    /// Place of each value among predictions at the speeds.
+    points: Vec<OperatingPoint>,
+    /// Place of each value among predictions at the points.
     place: Vec<usize>,
     value: Vec<f64>,
     /// Covariance, row-major, of frames and of what is not modelled.
@@ -65,17 +65,14 @@ fn logarithms(run: &Sample) -> Sample {
         })
         .collect();
     let variance = covariance.iter().map(|c| std::array::from_fn(|r| c[r][r])).collect();
-    Sample { at: run.at.clone(), mean, covariance, variance, excess: 0.0 }
+    let excess = vec![0.0; run.excess.len()];
+    Sample { at: run.at.clone(), mean, covariance, variance, excess }
 }
 
 impl Told {
     fn of(observations: &Observations) -> Self {
-        let speeds_rpm = observations.speeds_rpm();
+        let (points, place) = observations.places();
         let items = &observations.items;
-        let place = items
-            .iter()
-            .map(|o| 4 * speeds_rpm.partition_point(|s| *s < o.omega_rpm) + o.response.index())
-            .collect();
         let value = items.iter().map(|o| SCALE * o.sd.max(QUIET).ln()).collect();
         let n = items.len();
         let mut noise = vec![0.0; n * n];
@@ -87,7 +84,7 @@ impl Told {
                 if a.response == b.response {
                     v += response;
                 }
-                if a.omega_rpm == b.omega_rpm {
+                if a.at() == b.at() {
                     let own = |i: usize, j: usize| observations.covariance(i, j);
                     let rho = own(i, j).powi(2) / (own(i, i) * own(j, j)).max(f64::MIN_POSITIVE);
                     let frames = (observations.n_eff[i] * observations.n_eff[j]).sqrt().max(2.0);
@@ -100,17 +97,17 @@ impl Told {
                 noise[i * n + j] = v;
             }
         }
-        Self { speeds_rpm, place, value, noise }
+        Self { points, place, value, noise }
     }
 }
 
 impl Unrest {
     /// Of the base model, for use about a point.
     pub(crate) fn about(
-        (axes, origin, knots): (Vec<Axis>, Vec<f64>, Vec<f64>),
+        (axes, origin, knots): (Vec<Axis>, Vec<f64>, Vec<OperatingPoint>),
         samples: &[Sample],
         point: Option<&[f64]>,
-        (observations, fillings): (&Observations, u32),
+        (observations, fillings): (&Observations, &[u32]),
     ) -> Result<Self, CalibError> {
         let runs: Vec<Sample> = samples.iter().map(logarithms).collect();
         let model = Emulator::about(axes, origin, knots, &runs, point)?.with_fillings(fillings);
@@ -132,7 +129,7 @@ impl Unrest {
     /// Deviance of what was measured from what is expected at a point.
     pub(crate) fn deviance(&self, theta: &[f64]) -> Result<f64, CalibError> {
         let told = &self.told;
-        let predicted = self.model.predict(theta, &told.speeds_rpm)?;
+        let predicted = self.model.predict(theta, &told.points)?;
         let n = told.place.len();
         let covariance = Mat::from_fn(n, n, |i, j| {
             told.noise[i * n + j] + predicted.covariance(told.place[i], told.place[j])
@@ -185,16 +182,16 @@ mod tests {
                 mean: vec![[30.0; 4]; 3],
                 covariance: vec![own; 3],
                 variance: vec![[variance; 4]; 3],
-                excess: 0.0,
+                excess: vec![0.0],
             }
         };
         let runs: Vec<Sample> = (0..12).map(run).collect();
         let path = "friction.pp".to_owned();
         let axes = vec![Axis { path, scale: Scale::Log, unit: 0.35, roughness: 1.0 }];
-        let place = (axes, vec![0.5], vec![20.0, 40.0, 60.0]);
+        let place = (axes, vec![0.5], [20.0, 40.0, 60.0].map(OperatingPoint::from).to_vec());
         let at = |sd: f64, friction: f64| {
             let observations = measured(sd);
-            let told = (&observations, 1);
+            let told = (&observations, &[1][..]);
             let unrest = Unrest::about(place.clone(), &runs, None, told).unwrap();
             unrest.deviance(&[friction]).unwrap()
         };

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::document::Document;
+use crate::load::{self, Load};
 use crate::plan::{SPEED, leaves};
 use crate::rig::known_keys;
 use crate::{Rig, SchemaError, namespace};
@@ -27,6 +28,9 @@ pub struct Data {
     /// Table of what another code says of drums that are alike, relative to the case file, or [`NO_DIFFERENCES`]: the
     /// data may differ from any simulation by as much.
     pub code_differences: Option<String>,
+    /// The same drum with other amounts of the same particles.
+    #[serde(default)]
+    pub loads: Vec<Load>,
 }
 
 /// A parameter that is fitted.
@@ -159,7 +163,9 @@ impl Case {
     pub fn parse(file: &str, text: &str) -> Result<Self, SchemaError> {
         let mut doc = Document::parse(file, text)?;
         let data: toml::Spanned<Data> = doc.require("data", "[data] responses = \"table.csv\"")?;
-        if data.get_ref().n_eff.is_some_and(|n| !(n >= 1.0 && n.is_finite())) {
+        let loads = || data.get_ref().loads.iter();
+        let n_eff = loads().map(|l| l.n_eff).chain([data.get_ref().n_eff]);
+        if n_eff.flatten().any(|n| !(n >= 1.0 && n.is_finite())) {
             return Err(doc.error(data.span(), "n_eff is not a number of frames", "1 or more"));
         }
         let simulator: toml::Spanned<Simulator> = doc.require(
@@ -167,7 +173,8 @@ impl Case {
             "[simulator] table = { file = ..., columns = ... } or rig = {}",
         )?;
         check_simulator(&doc, &simulator)?;
-        if let Some(fillings) = data.get_ref().fillings {
+        let table = matches!(simulator.get_ref(), Simulator::Table { .. });
+        for fillings in loads().map(|l| l.fillings).chain([data.get_ref().fillings]).flatten() {
             if fillings == 0 {
                 return Err(doc.error(
                     data.span(),
@@ -175,16 +182,23 @@ impl Case {
                     "1 or more",
                 ));
             }
-            if matches!(simulator.get_ref(), Simulator::Table { .. }) {
+            if table {
                 let what = "a table of simulated runs does not say how fillings of a drum differ";
                 return Err(doc.error(data.span(), what, "[simulator.rig], or no fillings"));
             }
+        }
+        if table && loads().len() > 0 {
+            let what = "a table of simulated runs is of one load";
+            return Err(doc.error(data.span(), what, "[simulator.rig], or no data.loads"));
         }
         let free = take_free(&mut doc)?;
         let nuisance = take_nuisance(&mut doc)?;
         let holdout = doc.take("holdout")?.unwrap_or_default();
         let catalogue = take_catalogue(&mut doc)?;
         let rig = Rig::take(&mut doc)?;
+        for own in &data.get_ref().loads {
+            load::check(&doc, data.span(), &rig, own)?;
+        }
         doc.finish(&known_keys(&[
             "data",
             "free",

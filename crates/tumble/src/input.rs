@@ -144,6 +144,8 @@ pub(crate) struct CaseText {
     pub(crate) asked: String,
     pub(crate) case: Text,
     pub(crate) measured: Text,
+    /// The same of each other load.
+    pub(crate) loads: Vec<Text>,
     /// What codes differ by, where the case names a table of it.
     pub(crate) codes: Option<Text>,
 }
@@ -151,7 +153,8 @@ pub(crate) struct CaseText {
 impl CaseText {
     /// All files, with their hashes.
     pub(crate) fn inputs(&self) -> Vec<InputFile> {
-        [&self.case, &self.measured].into_iter().chain(&self.codes).map(Text::input).collect()
+        let tables = [&self.case, &self.measured].into_iter().chain(&self.loads);
+        tables.chain(&self.codes).map(Text::input).collect()
     }
 }
 
@@ -162,6 +165,7 @@ pub(crate) fn case_text(name: Option<&str>) -> anyhow::Result<CaseText> {
             asked: String::new(),
             case: fixture("demo/drum.toml")?,
             measured: fixture("demo/measured.csv")?,
+            loads: Vec::new(),
             codes: None,
         });
     };
@@ -176,9 +180,10 @@ pub(crate) fn case_text(name: Option<&str>) -> anyhow::Result<CaseText> {
     };
     let data = Case::parse(&case.name, &case.text)?.data;
     let measured = place.read(&data.responses)?;
+    let loads = data.loads.iter().map(|l| place.read(&l.responses)).collect::<Result<_, _>>()?;
     let named = data.code_differences.filter(|name| name != NO_DIFFERENCES);
     let codes = named.map(|file| place.read(&file)).transpose()?;
-    Ok(CaseText { asked: name.to_owned(), case, measured, codes })
+    Ok(CaseText { asked: name.to_owned(), case, measured, loads, codes })
 }
 
 /// Load a case by file or built-in name.

@@ -66,7 +66,13 @@ pub(crate) fn run(
         let mut settings = LoopSettings { runs: Some(runs), ..LoopSettings::default() };
         settings.attribution.bootstrap = 299;
         settings.attribution.stability_bootstrap = 0;
-        let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+        let looped = CloseLoop {
+            case: &case,
+            measured: &measured,
+            loads: &[],
+            lab: &lab,
+            settings: &settings,
+        };
         let outcome = looped.run(&mut |_| ())?;
         let finding = &outcome.finding;
         // To look into an alarm.

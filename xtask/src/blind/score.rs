@@ -91,7 +91,13 @@ pub(crate) fn run(
         let measured = MeasuredTable::parse(name, &text)?;
         let mut settings = LoopSettings { runs: Some(runs), ..LoopSettings::default() };
         settings.attribution.stability_bootstrap = 0;
-        let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+        let looped = CloseLoop {
+            case: &case,
+            measured: &measured,
+            loads: &[],
+            lab: &lab,
+            settings: &settings,
+        };
         let outcome = looped.run(&mut |_| ()).with_context(|| name.clone())?;
         let answer = Answer::of(name, &outcome);
         if !json {

@@ -1,6 +1,6 @@
 //! What is given to an attribution: candidates, covariance between codes, experiments, settings.
 
-use crate::{CalibError, Nuisance, Simulator};
+use crate::{CalibError, Nuisance, OperatingPoint, Simulator};
 
 /// Where an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -133,8 +133,8 @@ pub struct PairModel<'s> {
 pub struct Experiment<'s> {
     /// What is done ("drum turned the other way", say).
     pub name: String,
-    /// Speeds that would be measured, rpm.
-    pub speeds_rpm: Vec<f64>,
+    /// Where it would be measured.
+    pub points: Vec<OperatingPoint>,
     /// Standard deviation of a mean of each response there, deg and percent of R.
     pub sd: [f64; 4],
     /// What stays uncertain in it, independently of the present measurement.

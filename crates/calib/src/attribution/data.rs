@@ -4,7 +4,7 @@ use rig_schema::Response;
 
 use super::CodeCovariance;
 use crate::covariance::{Factored, square};
-use crate::{CalibError, Nuisance, Observation, Observations, Predicted};
+use crate::{CalibError, Nuisance, Observation, Observations, OperatingPoint, Predicted};
 
 /// A change of the errors, for the stability of a verdict.
 #[derive(Debug, Clone, Copy)]
@@ -26,8 +26,8 @@ impl Default for Variation {
 /// Observations with the part of their covariance that no model changes.
 pub(super) struct Data {
     pub(super) items: Vec<Observation>,
-    pub(super) speeds: Vec<f64>,
-    /// Element of a prediction at `speeds` that belongs to each item.
+    pub(super) points: Vec<OperatingPoint>,
+    /// Element of a prediction at `points` that belongs to each item.
     place: Vec<usize>,
     /// Measured less the nuisances' prior means.
     pub(super) y: Vec<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Data {
     noise: Vec<f64>,
     /// Change of each item for one prior standard deviation of each nuisance.
     pub(super) nuisance: Vec<Vec<f64>>,
-    /// For each response its items by ascending speed.
+    /// For each response its items by load and ascending speed.
     series: Vec<Vec<usize>>,
 }
 
@@ -47,12 +47,8 @@ impl Data {
         variation: Variation,
     ) -> Self {
         let items = observations.items.clone();
-        let speeds = observations.speeds_rpm();
+        let (points, place) = observations.places();
         let n = items.len();
-        let place = items
-            .iter()
-            .map(|o| 4 * speeds.partition_point(|s| *s < o.omega_rpm) + o.response.index())
-            .collect();
         let slope = |m: &Nuisance, o: &Observation| m.slope(o.response, o.mean);
         let y = items
             .iter()
@@ -86,18 +82,18 @@ impl Data {
             .iter()
             .map(|r| {
                 let mut of: Vec<usize> = (0..n).filter(|i| items[*i].response == *r).collect();
-                of.sort_by(|i, j| items[*i].omega_rpm.total_cmp(&items[*j].omega_rpm));
+                of.sort_by(|i, j| items[*i].at().total_cmp(&items[*j].at()));
                 of
             })
             .collect();
-        Self { items, speeds, place, y, noise, nuisance, series }
+        Self { items, points, place, y, noise, nuisance, series }
     }
 
     pub(super) fn len(&self) -> usize {
         self.items.len()
     }
 
-    /// The items' elements of a vector over (speed, response).
+    /// The items' elements of a vector over (operating point, response).
     pub(super) fn pick(&self, mean: &[f64]) -> Vec<f64> {
         self.place.iter().map(|k| mean[*k]).collect()
     }
@@ -152,6 +148,7 @@ impl Data {
             .series
             .iter()
             .flat_map(|of| of.windows(2))
+            .filter(|w| self.items[w[0]].load == self.items[w[1]].load)
             .map(|w| (white[w[0]], white[w[1]]))
             .collect();
         let scale: f64 = pairs.iter().map(|(a, b)| 0.5 * (a * a + b * b)).sum();

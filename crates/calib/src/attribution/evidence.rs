@@ -128,16 +128,16 @@ fn settled(search: &Search<'_, '_>, from: &Solved, axis: usize) -> Result<f64, C
 
 /// Marginal likelihood of the base with an unknown discrepancy.
 pub(super) fn unknown(model: &Model<'_>, data: &Data, base: &Settled) -> Result<f64, CalibError> {
-    let first = data.speeds.first().copied().unwrap_or(0.0);
-    let last = data.speeds.last().copied().unwrap_or(0.0);
+    let speeds = || data.points.iter().map(|p| p.omega_rpm);
+    let (first, last) = speeds().fold((f64::INFINITY, 0.0f64), |(a, b), s| (a.min(s), b.max(s)));
     let length = ((last - first) * LENGTH).max(1e-9);
     let scale: Vec<f64> = data.items.iter().map(|o| data.typical_sd(o.response.index())).collect();
-    let predicted = model.predict(&base.theta, &data.speeds)?;
+    let predicted = model.predict(&base.theta, &data.points)?;
     let mut each = Vec::with_capacity(SIZES.len());
     for size in SIZES {
         let more = |i: usize, j: usize| {
             let (a, b) = (&data.items[i], &data.items[j]);
-            if a.response != b.response {
+            if a.response != b.response || a.load != b.load {
                 return 0.0;
             }
             let apart = (a.omega_rpm - b.omega_rpm) / length;

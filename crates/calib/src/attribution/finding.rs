@@ -61,6 +61,8 @@ pub struct Trial {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ResidualPoint {
+    /// Which load of the drum, 0 for the rig's own.
+    pub load: usize,
     /// Speed, rpm.
     pub omega_rpm: f64,
     /// Column of the response.

@@ -64,7 +64,7 @@ impl<'a, 's> Case<'a, 's> {
         {
             let (low, high) = simulator.speed_range_rpm();
             let given = attribution.held_out.iter().flat_map(Observations::speeds_rpm);
-            let mut speeds = data.speeds.iter().copied().chain(given);
+            let mut speeds = data.points.iter().map(|p| p.omega_rpm).chain(given);
             if let Some(omega_rpm) = speeds.find(|s| !(low..=high).contains(s)) {
                 let model = model.name.clone();
                 return Err(CalibError::SpeedRange { model, omega_rpm, low, high });
@@ -117,7 +117,7 @@ pub(super) struct Null {
 impl Null {
     pub(super) fn new(model: &Model<'_>, data: &Data, base: &Settled) -> Result<Self, CalibError> {
         let absent = model.absent(&base.theta);
-        let predicted = model.predict(&absent, &data.speeds)?;
+        let predicted = model.predict(&absent, &data.points)?;
         let weight = data.weight(&predicted, None)?;
         let search = Search { model, data, weight: &weight };
         let mean = data.pick(&predicted.mean);

@@ -47,7 +47,7 @@ pub(super) fn predict(
     starts: &[Vec<f64>],
 ) -> Result<Fold, CalibError> {
     let Some(first) = starts.first() else { return Ok(Fold::default()) };
-    let at_first = model.predict(&model.theta(first), &train.speeds)?;
+    let at_first = model.predict(&model.theta(first), &train.points)?;
     let weight = train.weight(&at_first, None)?;
     let search = Search { model, data: train, weight: &weight };
     let mut points = Vec::new();
@@ -59,7 +59,7 @@ pub(super) fn predict(
     // A strength or friction at an end of its range does not scatter beyond it: the prior keeps
     // the spread within the range.
     let spread = covariance(&point.columns, 12.0);
-    let there = model.predict(&model.theta(&solved.unit), &all.speeds)?;
+    let there = model.predict(&model.theta(&solved.unit), &all.points)?;
     let mean = all.pick(&there.mean);
     let joint = all.weight(&there, None)?;
     let known = train.len();
@@ -119,7 +119,7 @@ fn raw_slopes(
         let step = if unit[k] > 0.5 { -1e-4 } else { 1e-4 };
         let mut moved = unit.to_vec();
         moved[k] += step;
-        let there = data.pick(&model.expected(&model.theta(&moved), &data.speeds)?);
+        let there = data.pick(&model.expected(&model.theta(&moved), &data.points)?);
         slopes.push(there.iter().zip(mean).map(|(a, b)| (a - b) / step).collect());
     }
     Ok(slopes)

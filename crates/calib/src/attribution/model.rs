@@ -1,7 +1,7 @@
 //! The base model, the base with one effect, the base with two.
 
 use super::{Candidate, PairModel};
-use crate::{CalibError, FreeParameter, Predicted, Problem, Simulator};
+use crate::{CalibError, FreeParameter, OperatingPoint, Predicted, Problem, Simulator};
 
 #[derive(Clone, Copy)]
 enum Kind<'s> {
@@ -149,15 +149,19 @@ impl<'s> Model<'s> {
         starts
     }
 
-    pub(super) fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
+    pub(super) fn predict(
+        &self,
+        theta: &[f64],
+        at: &[OperatingPoint],
+    ) -> Result<Predicted, CalibError> {
         let predicted = match self.kind {
-            Kind::One(s) => s.predict(theta, speeds)?,
-            Kind::Both { simulator, turned } => simulator.predict(&turn(theta, turned), speeds)?,
+            Kind::One(s) => s.predict(theta, at)?,
+            Kind::Both { simulator, turned } => simulator.predict(&turn(theta, turned), at)?,
             Kind::Two { base, a, b } => {
                 let (ta, tb) = self.split(theta);
-                let mut p = a.predict(&ta, speeds)?;
-                let q = b.predict(&tb, speeds)?;
-                let without = base.expected(&theta[..self.frictions()], speeds)?;
+                let mut p = a.predict(&ta, at)?;
+                let q = b.predict(&tb, at)?;
+                let without = base.expected(&theta[..self.frictions()], at)?;
                 for ((m, n), w) in p.mean.iter_mut().zip(&q.mean).zip(&without) {
                     *m += n - w;
                 }
@@ -168,26 +172,30 @@ impl<'s> Model<'s> {
                 p
             }
         };
-        self.checked(&predicted.mean, theta, speeds)?;
+        self.checked(&predicted.mean, theta, at)?;
         Ok(predicted)
     }
 
-    pub(super) fn expected(&self, theta: &[f64], speeds: &[f64]) -> Result<Vec<f64>, CalibError> {
+    pub(super) fn expected(
+        &self,
+        theta: &[f64],
+        at: &[OperatingPoint],
+    ) -> Result<Vec<f64>, CalibError> {
         let mean = match self.kind {
-            Kind::One(s) => s.expected(theta, speeds)?,
-            Kind::Both { simulator, turned } => simulator.expected(&turn(theta, turned), speeds)?,
+            Kind::One(s) => s.expected(theta, at)?,
+            Kind::Both { simulator, turned } => simulator.expected(&turn(theta, turned), at)?,
             Kind::Two { base, a, b } => {
                 let (ta, tb) = self.split(theta);
-                let mut mean = a.expected(&ta, speeds)?;
-                let other = b.expected(&tb, speeds)?;
-                let without = base.expected(&theta[..self.frictions()], speeds)?;
+                let mut mean = a.expected(&ta, at)?;
+                let other = b.expected(&tb, at)?;
+                let without = base.expected(&theta[..self.frictions()], at)?;
                 for ((m, n), w) in mean.iter_mut().zip(&other).zip(&without) {
                     *m += n - w;
                 }
                 mean
             }
         };
-        self.checked(&mean, theta, speeds)?;
+        self.checked(&mean, theta, at)?;
         Ok(mean)
     }
 
@@ -205,18 +213,21 @@ impl<'s> Model<'s> {
         (theta[..=d].to_vec(), theta[..d].iter().chain([&theta[d + 1]]).copied().collect())
     }
 
-    fn checked(&self, mean: &[f64], theta: &[f64], speeds: &[f64]) -> Result<(), CalibError> {
-        if mean.len() != 4 * speeds.len() {
+    fn checked(
+        &self,
+        mean: &[f64],
+        theta: &[f64],
+        at: &[OperatingPoint],
+    ) -> Result<(), CalibError> {
+        if mean.len() != 4 * at.len() {
             return Err(CalibError::Lengths {
-                what: "responses from a simulator (four for each speed)",
-                expected: 4 * speeds.len(),
+                what: "responses from a simulator (four for each operating point)",
+                expected: 4 * at.len(),
                 given: mean.len(),
             });
         }
         match mean.iter().position(|v| !v.is_finite()) {
-            Some(k) => {
-                Err(CalibError::NotFinite { omega_rpm: speeds[k / 4], theta: theta.to_vec() })
-            }
+            Some(k) => Err(CalibError::NotFinite { at: at[k / 4], theta: theta.to_vec() }),
             None => Ok(()),
         }
     }

@@ -16,7 +16,9 @@ use super::model::Model;
 use super::ranking::Judged;
 use super::{Candidate, Experiment, NextExperiment};
 use crate::covariance::square;
-use crate::{CalibError, FrameCorrelation, FreeParameter, Observation, Observations};
+use crate::{
+    CalibError, FrameCorrelation, FreeParameter, Observation, Observations, OperatingPoint,
+};
 
 /// Draws for each expectation: its error is about 0.02 bit.
 const DRAWS: usize = 2000;
@@ -73,17 +75,15 @@ fn component(
     judged: &Judged<'_>,
     share: f64,
 ) -> Result<Component, CalibError> {
-    let mut speeds = experiment.speeds_rpm.clone();
-    speeds.sort_by(f64::total_cmp);
-    speeds.dedup();
+    let points = OperatingPoint::distinct(experiment.points.iter().copied());
     let theta = &judged.fit.theta;
-    let predicted = model.predict(theta, &speeds)?;
+    let predicted = model.predict(theta, &points)?;
     let mut items = Vec::new();
-    for (k, omega_rpm) in speeds.iter().enumerate() {
+    for (k, OperatingPoint { load, omega_rpm }) in points.iter().copied().enumerate() {
         for response in Response::ALL {
             let mean = predicted.mean[4 * k + response.index()];
             let sd = experiment.sd[response.index()];
-            items.push(Observation { omega_rpm: *omega_rpm, response, mean, sd });
+            items.push(Observation { load, omega_rpm, response, mean, sd });
         }
     }
     let observations = Observations::new(items, 1.0, FrameCorrelation::default())?;
@@ -95,7 +95,7 @@ fn component(
         let step = if unit[k] > 0.5 { -1e-4 } else { 1e-4 };
         let mut moved = unit.clone();
         moved[k] += step;
-        let there = model.expected(&model.theta(&moved), &speeds)?;
+        let there = model.expected(&model.theta(&moved), &points)?;
         slopes.push(there.iter().zip(&predicted.mean).map(|(a, b)| (a - b) / step).collect());
     }
     let open = |i: usize, j: usize| {

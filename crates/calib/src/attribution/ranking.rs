@@ -54,8 +54,8 @@ pub(super) struct Folds {
 impl Folds {
     /// One speed left out; both ends left out; the set that is never fitted.
     pub(super) fn all(case: &Case<'_, '_>) -> Vec<Self> {
-        let speeds = &case.data.speeds;
         let o = &case.observations;
+        let speeds = o.speeds_rpm();
         let most = case.base.len() + 1;
         let split = |aside: &dyn Fn(f64) -> bool| {
             let train = o.filter(|x| !aside(x.omega_rpm));

@@ -110,7 +110,7 @@ pub(super) fn trials(
     let dof = case.data.len() - model.len();
     let without = case.base.aside(&case.fit_base()?.theta)?;
     let one = |theta: &Vec<f64>| {
-        let predicted = model.predict(theta, &case.data.speeds)?;
+        let predicted = model.predict(theta, &case.data.points)?;
         let weight = case.data.weight(&predicted, None)?;
         let mean = case.data.pick(&predicted.mean);
         let residual: Vec<f64> = case.data.y.iter().zip(&mean).map(|(y, m)| y - m).collect();
@@ -220,7 +220,7 @@ fn ranked(
 
 fn report_fit(case: &Case<'_, '_>, model: &Model<'_>, fit: &Settled) -> Result<Fit, CalibError> {
     let data = &case.data;
-    let predicted = model.predict(&fit.theta, &data.speeds)?;
+    let predicted = model.predict(&fit.theta, &data.points)?;
     let nuisance = data.nuisance_posterior(&fit.weight, &fit.white);
     let spread = covariance(&fit.point.columns, 1e-9);
     let sd = (0..model.len())
@@ -235,6 +235,7 @@ fn report_fit(case: &Case<'_, '_>, model: &Model<'_>, fit: &Settled) -> Result<F
         .map(|i| {
             let shift: f64 = data.nuisance.iter().zip(&nuisance).map(|(g, n)| g[i] * n.0).sum();
             ResidualPoint {
+                load: data.items[i].load,
                 omega_rpm: data.items[i].omega_rpm,
                 response: data.items[i].response.column(),
                 value: data.y[i] - fit.point.mean[i] - shift,

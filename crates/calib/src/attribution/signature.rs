@@ -39,8 +39,8 @@ pub(super) fn signatures(
             } else {
                 null - 0.1 * (null - low)
             };
-            let with = case.data.pick(&model.expected(&present, &case.data.speeds)?);
-            let none = case.data.pick(&model.expected(&absent, &case.data.speeds)?);
+            let with = case.data.pick(&model.expected(&present, &case.data.points)?);
+            let none = case.data.pick(&model.expected(&absent, &case.data.points)?);
             let change: Vec<f64> = with.iter().zip(&none).map(|(a, b)| a - b).collect();
             let white = base.weight.whiten(&change);
             let rest = without(&white, &taken);
@@ -145,8 +145,8 @@ fn noncentrality(
     let absent = model.absent(&base.theta);
     let mut present = absent.clone();
     present[model.frictions()] = strength;
-    let with = case.data.pick(&model.expected(&present, &case.data.speeds)?);
-    let none = case.data.pick(&model.expected(&absent, &case.data.speeds)?);
+    let with = case.data.pick(&model.expected(&present, &case.data.points)?);
+    let none = case.data.pick(&model.expected(&absent, &case.data.points)?);
     let shifted = base.point.mean.iter().zip(with.iter().zip(&none));
     let y: Vec<f64> = shifted.map(|(m, (a, b))| m + a - b).collect();
     let search = Search { model: &case.base, data: &case.data, weight: &base.weight };

@@ -54,7 +54,7 @@ pub(super) struct Search<'a, 's> {
 
 impl Search<'_, '_> {
     pub(super) fn mean(&self, unit: &[f64]) -> Result<Vec<f64>, CalibError> {
-        let mean = self.model.expected(&self.model.theta(unit), &self.data.speeds)?;
+        let mean = self.model.expected(&self.model.theta(unit), &self.data.points)?;
         Ok(self.data.pick(&mean))
     }
 
@@ -233,7 +233,7 @@ pub(super) fn renewed(
     unit: &[f64],
     held: Option<usize>,
 ) -> Result<(Weight, Solved), CalibError> {
-    let predicted = model.predict(&model.theta(unit), &data.speeds)?;
+    let predicted = model.predict(&model.theta(unit), &data.points)?;
     let weight = data.weight(&predicted, None)?;
     let search = Search { model, data, weight: &weight };
     let start = search.point(unit, data.pick(&predicted.mean))?;

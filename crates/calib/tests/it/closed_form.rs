@@ -1,8 +1,8 @@
 //! A linear simulator, for which least squares has a closed form.
 
 use calib::{
-    CalibError, FrameCorrelation, FreeParameter, Nuisance, Observation, Observations, Predicted,
-    Problem, Simulator,
+    CalibError, FrameCorrelation, FreeParameter, Nuisance, Observation, Observations,
+    OperatingPoint, Predicted, Problem, Simulator,
 };
 use rig_schema::Response;
 
@@ -16,10 +16,10 @@ impl Simulator for Line {
     fn speed_range_rpm(&self) -> (f64, f64) {
         (1.0, 40.0)
     }
-    fn predict(&self, theta: &[f64], speeds_rpm: &[f64]) -> Result<Predicted, CalibError> {
-        let mean: Vec<f64> = speeds_rpm
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        let mean: Vec<f64> = at
             .iter()
-            .flat_map(|w| [20.0 + 30.0 * theta[0] + 0.1 * w, 30.0, 30.0, 50.0])
+            .flat_map(|p| [20.0 + 30.0 * theta[0] + 0.1 * p.omega_rpm, 30.0, 30.0, 50.0])
             .collect();
         let n = mean.len();
         Ok(Predicted { mean, covariance: vec![0.0; n * n] })
@@ -30,6 +30,7 @@ fn problem(angles: &[(f64, f64, f64)], nuisances: Vec<Nuisance>) -> Problem<'sta
     let items = angles
         .iter()
         .map(|(omega_rpm, mean, sd)| Observation {
+            load: 0,
             omega_rpm: *omega_rpm,
             response: Response::AorLin,
             mean: *mean,
@@ -95,7 +96,13 @@ fn a_marginalised_shift_widens_the_interval_by_its_prior() {
 
 #[test]
 fn a_flat_direction_is_said_to_be_flat() {
-    let items = vec![Observation { omega_rpm: 4.0, response: Response::CenX, mean: 30.2, sd: 0.5 }];
+    let items = vec![Observation {
+        load: 0,
+        omega_rpm: 4.0,
+        response: Response::CenX,
+        mean: 30.2,
+        sd: 0.5,
+    }];
     let flat = Problem {
         observations: Observations::new(items, 1.0, FrameCorrelation::Independent).expect("valid"),
         ..problem(&ANGLES, Vec::new())

@@ -65,7 +65,8 @@ fn close_with(
     let mut settings = LoopSettings { runs: Some(38), predict: vec![65.0], ..settings };
     settings.attribution.bootstrap = 99;
     settings.attribution.stability_bootstrap = 0;
-    CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings }.run(&mut |_| ())
+    CloseLoop { case: &case, measured: &measured, loads: &[], lab: &lab, settings: &settings }
+        .run(&mut |_| ())
 }
 
 /// Everything but the time that runs took.
@@ -186,7 +187,8 @@ fn too_few_runs_are_refused_before_anything_is_simulated() {
     let measured = MeasuredTable::parse("measured.csv", IMPOSSIBLE).unwrap();
     let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
     let settings = LoopSettings { runs: Some(3), ..LoopSettings::default() };
-    let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+    let looped =
+        CloseLoop { case: &case, measured: &measured, loads: &[], lab: &lab, settings: &settings };
     let error = looped.planned().unwrap_err();
     assert!(matches!(error, CloseLoopError::Budget { runs: 3, least, .. } if least > 3), "{error}");
 }
@@ -202,6 +204,7 @@ fn a_case_with_a_table_is_pointed_to_the_other_way() {
     let measured = MeasuredTable::parse("measured.csv", IMPOSSIBLE).unwrap();
     let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
     let settings = LoopSettings::default();
-    let looped = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+    let looped =
+        CloseLoop { case: &case, measured: &measured, loads: &[], lab: &lab, settings: &settings };
     assert!(matches!(looped.planned(), Err(CloseLoopError::NoRig { .. })));
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use campaign::Laboratory;
 use campaign::drum_rig::{Options, outline};
 use close_loop::{CloseLoop, CloseLoopError, Fidelity, LoopSettings, Pilot};
-use rig_schema::{Case, MeasuredTable, Rig};
+use rig_schema::Rig;
 
 /// Share of a budget that runs may take; the rest is statistics.
 const SIMULATING: f64 = 0.8;
@@ -43,14 +43,27 @@ struct Way {
     work: f64,
     /// The same of all runs of the whole rig beside them: those that anchor it, and fresh ones.
     whole: f64,
-    pilot: Rig,
+    /// The rig with each of its loads.
+    pilot: Vec<Rig>,
 }
 
-/// Steps of all spheres in one run, at least, and the number of particles.
-fn work(rig: &Rig) -> Result<(f64, usize), CloseLoopError> {
-    let outline = outline(rig, &Options::default())?;
-    let spheres = (outline.particles * outline.spheres_per_particle) as f64;
-    Ok((spheres * outline.least_steps as f64, outline.particles))
+/// What a budget pays for.
+pub(super) struct Fitted {
+    pub(super) settings: LoopSettings,
+    /// Time that its runs take at most, s.
+    pub(super) longest_s: f64,
+}
+
+/// Steps of all spheres in one run, at least, and the number of particles of the least load.
+fn work(rigs: &[Rig]) -> Result<(f64, usize), CloseLoopError> {
+    let (mut steps, mut least) = (0.0, usize::MAX);
+    for rig in rigs {
+        let outline = outline(rig, &Options::default())?;
+        let spheres = (outline.particles * outline.spheres_per_particle) as f64;
+        steps += spheres * outline.least_steps as f64;
+        least = least.min(outline.particles);
+    }
+    Ok((steps, least))
 }
 
 /// The same of all runs of the whole rig beside its stand-in's: those that anchor it, and fresh ones.
@@ -60,30 +73,25 @@ fn work_of_whole(pilot: &Pilot) -> Result<f64, CloseLoopError> {
 }
 
 /// Ways to simulate the case, the nearest to the rig first: itself, and what saves at least a third.
-fn ways(
-    case: &Case,
-    measured: &MeasuredTable,
-    lab: &Laboratory,
-    settings: &LoopSettings,
-) -> anyhow::Result<Vec<Way>> {
+fn ways(asked: &CloseLoop<'_>) -> anyhow::Result<Vec<Way>> {
     let mut ways: Vec<Way> = Vec::new();
     for fidelity in [Fidelity::Case, Fidelity::Soft, Fidelity::Coarse] {
-        let settings = LoopSettings { fidelity, ..settings.clone() };
-        let this = CloseLoop { case, measured, lab, settings: &settings };
+        let settings = LoopSettings { fidelity, ..asked.settings.clone() };
+        let this = CloseLoop { settings: &settings, ..*asked };
         // Only the case itself has to be possible.
         let pilot = match this.pilot() {
             Err(e) if fidelity == Fidelity::Case => return Err(e.into()),
             Err(_) => continue,
             Ok(pilot) => pilot,
         };
-        let (own, particles) = work(&pilot.rig)?;
+        let (own, particles) = work(&pilot.rigs)?;
         if fidelity == Fidelity::Coarse && particles < LEAST_PARTICLES {
             continue;
         }
         let whole = work_of_whole(&pilot)?;
         let least = |work: f64, whole: f64| LEAST_RUNS * work + whole;
         if ways.iter().all(|w| least(own, whole) < least(w.work, w.whole) / 1.5) {
-            ways.push(Way { fidelity, work: own, whole, pilot: pilot.rig });
+            ways.push(Way { fidelity, work: own, whole, pilot: pilot.rigs });
         }
     }
     Ok(ways)
@@ -92,31 +100,26 @@ fn ways(
 /// What a run of this way costs, s, as many at a time as will be: each of them is slower than one alone. The cost is kept
 /// with the runs, so that a loop that goes on has the same number of them.
 fn cost_of_pilots(way: &Way, lab: &Laboratory, jobs: usize) -> anyhow::Result<f64> {
-    let pilots: Vec<Rig> = (0..jobs.clamp(1, MOST_PILOTS) as u64)
-        .map(|k| {
-            let mut rig = way.pilot.clone();
-            rig.run.seed = rig.run.seed.wrapping_add(k);
+    let count = jobs.clamp(1, MOST_PILOTS);
+    let of_filling = |k: usize| {
+        way.pilot.iter().cloned().map(move |mut rig| {
+            rig.run.seed = rig.run.seed.wrapping_add(k as u64);
             rig
         })
-        .collect();
+    };
+    let pilots: Vec<Rig> = (0..count).flat_map(of_filling).collect();
     let mut cost = 0.0;
     for run in lab.run(&pilots, |_| ()) {
-        cost += run?.cost_s / pilots.len() as f64;
+        cost += run?.cost_s / count as f64;
     }
     Ok(cost)
 }
 
 /// Set the number of runs that a budget pays for; returns how long they take at most, s. Where it does not pay for the rig,
 /// softer particles, a coarse stand-in and then fewer speeds are taken, the first that will do.
-pub(super) fn fit(
-    jobs: usize,
-    budget: Duration,
-    case: &Case,
-    measured: &MeasuredTable,
-    lab: &Laboratory,
-    settings: &mut LoopSettings,
-) -> anyhow::Result<f64> {
-    let ways = ways(case, measured, lab, settings)?;
+pub(super) fn fit(jobs: usize, budget: Duration, this: &CloseLoop<'_>) -> anyhow::Result<Fitted> {
+    let ways = ways(this)?;
+    let (lab, mut settings) = (this.lab, this.settings.clone());
     let time = SIMULATING * budget.as_secs_f64() * jobs as f64;
     // A pilot of what no plan could pay for would only spend the budget.
     let hopeless = |w: &Way| LEAST_RUNS * w.work * LEAST_COST_S > time;
@@ -128,7 +131,8 @@ pub(super) fn fit(
     let rate = cost_of_first / first.work;
     let mut costs: Vec<Option<f64>> = vec![None; ways.len()];
     costs[0] = Some(cost_of_first);
-    let simulated = first.pilot.run.speeds_rpm.len();
+    let speeds_of = |rig: &Rig| rig.run.speeds_rpm.len();
+    let simulated = first.pilot.iter().map(speeds_of).max().unwrap_or(LEAST_SPEEDS);
     let mut shortest: Option<f64> = None;
     for speeds in (LEAST_SPEEDS.min(simulated)..=simulated).rev() {
         let share = speeds as f64 / simulated as f64;
@@ -138,7 +142,7 @@ pub(super) fn fit(
             settings.most_speeds = speeds;
             let mut plan = |each: f64| {
                 settings.runs = Some(((time - whole).max(0.0) / each) as usize);
-                (CloseLoop { case, measured, lab, settings: &*settings }).planned()
+                (CloseLoop { settings: &settings, ..*this }).planned()
             };
             // What its particles cost by the first pilot; its own, with frames and filling, if that would do.
             let part = |cost: f64| (cost * share).max(1e-3);
@@ -156,7 +160,8 @@ pub(super) fn fit(
                     let pilots: f64 = costs.iter().flatten().sum();
                     settings.time_s = Some((AT_MOST * budget.as_secs_f64() - pilots).max(0.0));
                     eprintln!("{}", told(way.fidelity, speeds, simulated));
-                    return Ok((runs as f64 * each + whole) / jobs as f64);
+                    let longest_s = (runs as f64 * each + whole) / jobs as f64;
+                    return Ok(Fitted { settings, longest_s });
                 }
                 Err(CloseLoopError::Budget { least, .. }) => {
                     let needed = (least as f64 * each + whole) / (SIMULATING * jobs as f64);
@@ -180,7 +185,7 @@ pub(super) fn expected(
     jobs: usize,
 ) -> Result<f64, CloseLoopError> {
     let pilot = this.pilot()?;
-    let all = runs as f64 * work(&pilot.rig)?.0 + work_of_whole(&pilot)?;
+    let all = runs as f64 * work(&pilot.rigs)?.0 + work_of_whole(&pilot)?;
     Ok(all * USUAL_COST_S / jobs as f64)
 }
 
@@ -199,6 +204,7 @@ fn told(fidelity: Fidelity, speeds: usize, of: usize) -> String {
 mod tests {
     use super::*;
     use campaign::Sampling;
+    use rig_schema::{Case, MeasuredTable};
 
     /// The drum of the thesis, six speeds.
     const FULL_SIZE: &str = r#"
@@ -230,7 +236,9 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
         let measured = MeasuredTable::parse("measured.csv", MEASURED).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
-        let ways = ways(&case, &measured, &lab, &LoopSettings::default()).unwrap();
+        let settings = LoopSettings::default();
+        let (case, measured, lab, settings) = (&case, &measured, &lab, &settings);
+        let ways = ways(&CloseLoop { case, measured, loads: &[], lab, settings }).unwrap();
         let names: Vec<Fidelity> = ways.iter().map(|w| w.fidelity).collect();
         assert_eq!(names, [Fidelity::Case, Fidelity::Soft, Fidelity::Coarse]);
         // Steps are 4.7 times as long; the stand-in has an eighth of the beads and steps twice as long again.
@@ -238,6 +246,6 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
         assert!((softer / 4.7 - 1.0).abs() < 0.05, "{softer}");
         let coarser = ways[1].work / ways[2].work;
         assert!((coarser / 2.0_f64.powi(4) - 1.0).abs() < 0.05, "{coarser}");
-        assert!(ways.iter().all(|w| w.pilot.run.speeds_rpm == [10.0, 20.0, 30.0]));
+        assert!(ways.iter().all(|w| w.pilot[0].run.speeds_rpm == [10.0, 20.0, 30.0]));
     }
 }

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::budget;
 use crate::cli::CloseLoopArgs;
-use crate::input::{self, CaseText, InputError};
+use crate::input::{self, CaseText, InputError, Text};
 use crate::output;
 use crate::report::closing::{Closed, page};
 
@@ -76,14 +76,16 @@ pub(crate) fn run(args: &CloseLoopArgs) -> anyhow::Result<()> {
     let begun = Instant::now();
     let text = input::case_text(args.case.as_deref())?;
     let case = Case::parse(&text.case.name, &text.case.text)?;
-    let measured = MeasuredTable::parse(&text.measured.name, &text.measured.text)?;
+    let table = |t: &Text| MeasuredTable::parse(&t.name, &t.text);
+    let measured = table(&text.measured)?;
+    let loads = text.loads.iter().map(table).collect::<Result<Vec<_>, _>>()?;
     if matches!(case.simulator, Simulator::Table(_)) {
         refuse_what_needs_a_rig(args, &text)?;
     }
     let codes = codes(&case, &text)?;
     let folder = output::folder(args.out.as_deref(), &format!("close_loop_{}", case.rig.name))?;
     let outcome = match &case.simulator {
-        Simulator::Rig { .. } => by_runs(args, &case, &measured, codes, &folder)?,
+        Simulator::Rig { .. } => by_runs(args, (&case, &measured, &loads), codes, &folder)?,
         Simulator::Table(_) => by_table(args, &text)?,
     };
     let inputs = text.inputs();
@@ -124,8 +126,7 @@ fn codes(case: &Case, text: &CaseText) -> anyhow::Result<Codes> {
 
 fn by_runs(
     args: &CloseLoopArgs,
-    case: &Case,
-    measured: &MeasuredTable,
+    (case, measured, loads): (&Case, &MeasuredTable, &[MeasuredTable]),
     codes: Codes,
     folder: &std::path::Path,
 ) -> anyhow::Result<Outcome> {
@@ -148,12 +149,18 @@ fn by_runs(
     if args.case.is_none() && args.runs.is_none() && args.budget.is_none() {
         settings.runs = Some(EMBEDDED_RUNS);
     }
-    let fit = |budget| budget::fit(args.jobs, budget, case, measured, &lab, &mut settings);
+    let fit = |budget| {
+        let this = CloseLoop { case, measured, loads, lab: &lab, settings: &settings };
+        budget::fit(args.jobs, budget, &this)
+    };
     let fitted = args.budget.map(fit).transpose()?;
-    let this = CloseLoop { case, measured, lab: &lab, settings: &settings };
+    if let Some(fitted) = &fitted {
+        settings = fitted.settings.clone();
+    }
+    let this = CloseLoop { case, measured, loads, lab: &lab, settings: &settings };
     let planned = this.planned()?;
     let expected = match fitted {
-        Some(seconds) => seconds,
+        Some(fitted) => fitted.longest_s,
         None => budget::expected(&this, planned, args.jobs)?,
     };
     let minutes = expected / 60.0;
@@ -286,7 +293,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
         let settings = LoopSettings { runs: Some(EMBEDDED_RUNS), ..LoopSettings::default() };
-        let this = CloseLoop { case: &case, measured: &measured, lab: &lab, settings: &settings };
+        let this = CloseLoop {
+            case: &case,
+            measured: &measured,
+            loads: &[],
+            lab: &lab,
+            settings: &settings,
+        };
         assert!(this.planned().unwrap() <= EMBEDDED_RUNS);
     }
 

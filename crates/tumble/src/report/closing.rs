@@ -5,7 +5,7 @@ use calib_report::page::{
     Block, Column, Figure, InputFile, Page, Provenance, Row, Section, Table, Tone, Verdict,
 };
 use calib_report::pictures::{ChartAxis, ChartPoint, ChartSeries, LineChart, SeriesStyle};
-use close_loop::{Errors, Outcome, Side};
+use close_loop::{Errors, LoadOf, Outcome, Point, Side};
 use rig_schema::{Case, Response};
 
 use crate::cli::CloseLoopArgs;
@@ -44,13 +44,37 @@ pub(crate) fn page(c: &Closed<'_>) -> Page {
                 c.args.seed,
                 c.args.runs.map_or_else(String::new, |r| format!(" --runs {r}")),
             ),
-            settings: vec![
+            settings: [
                 ("runs".to_owned(), o.runs.to_string()),
                 ("processor time of the runs".to_owned(), format!("{:.0} s", o.cost_s)),
-                ("speeds simulated, rpm".to_owned(), list(&o.speeds_rpm)),
-            ],
+            ]
+            .into_iter()
+            .chain(speeds(o))
+            .collect(),
         }),
     }
+}
+
+/// What was simulated: at which speeds, with which load.
+fn speeds(o: &Outcome) -> Vec<(String, String)> {
+    let what = "speeds simulated, rpm";
+    match &o.loads[..] {
+        [] | [_] => vec![(what.to_owned(), list(&o.speeds_rpm))],
+        all => {
+            let row = |l: &LoadOf| (format!("{what}, with {}", amount(l)), list(&l.speeds_rpm));
+            all.iter().map(row).collect()
+        }
+    }
+}
+
+/// How much a load is.
+fn amount(load: &LoadOf) -> String {
+    format!("{} = {}", load.fill.0, load.fill.1)
+}
+
+/// What tells a load from others, where there is more than one.
+fn told_load(o: &Outcome, load: usize) -> Option<String> {
+    o.loads.get(load).filter(|_| o.loads.len() > 1).map(amount)
 }
 
 fn list(values: &[f64]) -> String {
@@ -185,8 +209,10 @@ fn with_responses(first: &[Column]) -> Vec<Column> {
 
 fn curves(o: &Outcome) -> Section {
     let named = o.after.effect.is_some();
-    let figures = Response::ALL.iter().filter_map(|r| {
-        let of: Vec<_> = o.points.iter().filter(|p| p.response == r.column()).collect();
+    let all = (0..o.loads.len().max(1)).flat_map(|load| Response::ALL.map(|r| (load, r)));
+    let figures = all.filter_map(|(load, r)| {
+        let here = |p: &&Point| p.load == load && p.response == r.column();
+        let of: Vec<_> = o.points.iter().filter(here).collect();
         if of.is_empty() {
             return None;
         }
@@ -211,7 +237,8 @@ fn curves(o: &Outcome) -> Section {
             all.push(series("after", residual(true)));
         }
         let chart = LineChart {
-            title: r.column().to_owned(),
+            title: told_load(o, load)
+                .map_or_else(|| r.column().to_owned(), |l| format!("{}, {l}", r.column())),
             x: ChartAxis::new("speed, rpm"),
             y: ChartAxis::new(format!("measured less model, {}", unit(r.column()))),
             series: all,
@@ -405,7 +432,10 @@ fn assumed(o: &Outcome) -> Section {
     let mut section = Section::new("What was assumed").with(Block::List(o.assumed.clone()));
     if !o.off_by.is_empty() {
         let rows = o.off_by.chunks(4).map(|four| {
-            let own = std::iter::once(short(four[0].omega_rpm));
+            let at = short(four[0].omega_rpm);
+            let own = std::iter::once(
+                told_load(o, four[0].load).map_or(at.clone(), |l| format!("{at}, {l}")),
+            );
             Row::new(own.chain(four.iter().map(|b| plus_minus(b.mean, b.sd))).collect::<Vec<_>>())
         });
         section.blocks.push(Block::Table(Table {

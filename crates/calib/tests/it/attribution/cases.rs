@@ -1,7 +1,7 @@
 //! Single findings looked at closely.
 
 use calib::attribution::{CodeCovariance, Experiment, Finding, Verdict};
-use calib::{CalibError, Predicted, Simulator};
+use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 use rig_schema::Response;
 
 use super::world::{
@@ -152,8 +152,8 @@ impl Simulator for Packed {
     fn speed_range_rpm(&self) -> (f64, f64) {
         self.0.speed_range_rpm()
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        self.0.predict(&[theta[0], 3.0 * theta[1]], speeds)
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        self.0.predict(&[theta[0], 3.0 * theta[1]], at)
     }
 }
 
@@ -165,7 +165,7 @@ fn the_experiment_that_treats_the_class_differently_is_the_next() {
     let mut a = attribution(data, &base, &effects, &ALL);
     let experiment = |name: &str| Experiment {
         name: name.to_owned(),
-        speeds_rpm: vec![5.0, 15.0, 25.0],
+        points: [5.0, 15.0, 25.0].map(OperatingPoint::from).to_vec(),
         sd: [0.3; 4],
         nuisances: Vec::new(),
         simulators: EFFECTS

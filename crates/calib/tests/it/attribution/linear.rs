@@ -2,8 +2,8 @@
 
 use calib::attribution::{Attribution, Candidate, Layer, Settings, Verdict};
 use calib::{
-    CalibError, FrameCorrelation, FreeParameter, Observation, Observations, Predicted, Problem,
-    Simulator, chi_square_p,
+    CalibError, FrameCorrelation, FreeParameter, Observation, Observations, OperatingPoint,
+    Predicted, Problem, Simulator, chi_square_p,
 };
 use rig_schema::Response;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -25,10 +25,11 @@ impl Simulator for Line {
     fn speed_range_rpm(&self) -> (f64, f64) {
         (1.0, 30.0)
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
         let slope = self.0.map_or(0.0, |slope| slope(theta[1]));
-        let mean = speeds.iter().flat_map(|w| [theta[0] + slope * (w - 10.0); 4]).collect();
-        Ok(Predicted { mean, covariance: vec![0.0; 16 * speeds.len() * speeds.len()] })
+        let each = at.iter().map(|p| theta[0] + slope * (p.omega_rpm - 10.0));
+        let mean = each.flat_map(|angle| [angle; 4]).collect();
+        Ok(Predicted { mean, covariance: vec![0.0; 16 * at.len() * at.len()] })
     }
 }
 
@@ -40,6 +41,7 @@ pub(crate) fn question<'s>(
     settings: Settings,
 ) -> Attribution<'s> {
     let items = angles.map(|(omega_rpm, mean)| Observation {
+        load: 0,
         omega_rpm,
         response: Response::AorLin,
         mean,
@@ -105,8 +107,8 @@ impl Simulator for Vague {
     fn speed_range_rpm(&self) -> (f64, f64) {
         (1.0, 30.0)
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        let mut predicted = Line(Some(|slope| slope)).predict(theta, speeds)?;
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        let mut predicted = Line(Some(|slope| slope)).predict(theta, at)?;
         let step = predicted.mean.len() + 1;
         let own = self.unknown(theta[1]) * SD * SD;
         predicted.covariance.iter_mut().step_by(step).for_each(|v| *v = own);
@@ -124,11 +126,11 @@ impl Simulator for Unsure {
     fn speed_range_rpm(&self) -> (f64, f64) {
         (1.0, 30.0)
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        let mut predicted = Line(None).predict(theta, speeds)?;
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        let mut predicted = Line(None).predict(theta, at)?;
         let n = predicted.mean.len();
-        let at = |i: usize| 3.0 * (speeds[i / 4] - 10.0);
-        (0..n * n).for_each(|k| predicted.covariance[k] = at(k / n) * at(k % n));
+        let of = |i: usize| 3.0 * (at[i / 4].omega_rpm - 10.0);
+        (0..n * n).for_each(|k| predicted.covariance[k] = of(k / n) * of(k % n));
         Ok(predicted)
     }
 }
@@ -228,8 +230,8 @@ impl Simulator for Beside {
     fn speed_range_rpm(&self) -> (f64, f64) {
         self.0.speed_range_rpm()
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        self.0.predict(theta, speeds)
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        self.0.predict(theta, at)
     }
     fn aside(&self, _: &[f64]) -> Result<Option<f64>, CalibError> {
         Ok(Some(self.1))

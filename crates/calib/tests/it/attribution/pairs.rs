@@ -1,7 +1,7 @@
 //! A pair is named only if its own surface needs both effects.
 
 use calib::attribution::{PairModel, Verdict};
-use calib::{CalibError, Predicted, Simulator};
+use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 use rig_schema::Response;
 
 use super::world::{ALL, Drum, EFFECTS, attribution, measure, simulators, strengths};
@@ -21,20 +21,20 @@ impl Simulator for Learnt {
     fn speed_range_rpm(&self) -> (f64, f64) {
         Drum(None).speed_range_rpm()
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        let mut predicted = Drum(Some(2)).predict(&theta[..2], speeds)?;
-        predicted.mean = self.expected(theta, speeds)?;
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        let mut predicted = Drum(Some(2)).predict(&theta[..2], at)?;
+        predicted.mean = self.expected(theta, at)?;
         Ok(predicted)
     }
-    fn expected(&self, theta: &[f64], speeds: &[f64]) -> Result<Vec<f64>, CalibError> {
-        let sticky = Drum(Some(2)).expected(&theta[..2], speeds)?;
-        let exposed = Drum(Some(5)).expected(&[theta[0], theta[2]], speeds)?;
-        let neither = Drum(None).expected(&theta[..1], speeds)?;
+    fn expected(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Vec<f64>, CalibError> {
+        let sticky = Drum(Some(2)).expected(&theta[..2], at)?;
+        let exposed = Drum(Some(5)).expected(&[theta[0], theta[2]], at)?;
+        let neither = Drum(None).expected(&theta[..1], at)?;
         let mut mean: Vec<f64> =
             sticky.iter().zip(exposed).zip(neither).map(|((a, b), c)| a + b - c).collect();
-        for (four, omega) in mean.chunks_exact_mut(4).zip(speeds) {
-            four[0] += wave(*omega);
-            four[1] -= wave(*omega);
+        for (four, point) in mean.chunks_exact_mut(4).zip(at) {
+            four[0] += wave(point.omega_rpm);
+            four[1] -= wave(point.omega_rpm);
         }
         Ok(mean)
     }

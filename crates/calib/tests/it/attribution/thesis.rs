@@ -1,7 +1,7 @@
 //! The thesis's drum with two frictions and surfaces whose error depends on both.
 
 use calib::attribution::{Attribution, Candidate, Layer, Settings};
-use calib::{CalibError, Predicted, Simulator, Surrogate};
+use calib::{CalibError, OperatingPoint, Predicted, Simulator, Surrogate};
 
 use crate::thesis::{problem, surrogate};
 
@@ -17,8 +17,8 @@ impl Simulator for Rolled<'_> {
     fn speed_range_rpm(&self) -> (f64, f64) {
         self.0.speed_range_rpm()
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        let mut p = self.0.predict(&theta[..2], speeds)?;
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        let mut p = self.0.predict(&theta[..2], at)?;
         let (sin, cos) = theta[2].to_radians().sin_cos();
         for r in p.mean.chunks_exact_mut(4) {
             let (x, y) = (r[2], r[3]);

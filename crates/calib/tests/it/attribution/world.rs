@@ -7,7 +7,7 @@
 use calib::attribution::{Attribution, Candidate, Layer, Settings};
 use calib::{
     CalibError, Effect, FrameCorrelation, FreeParameter, Nuisance, Observation, Observations,
-    Predicted, Problem, Simulator,
+    OperatingPoint, Predicted, Problem, Simulator,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -75,28 +75,28 @@ impl Simulator for Drum {
     fn speed_range_rpm(&self) -> (f64, f64) {
         (2.0, 30.0)
     }
-    fn predict(&self, theta: &[f64], speeds: &[f64]) -> Result<Predicted, CalibError> {
-        let mean = self.expected(theta, speeds)?;
+    fn predict(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Predicted, CalibError> {
+        let mean = self.expected(theta, at)?;
         let n = mean.len();
         let mut covariance = vec![0.0; n * n];
         for i in 0..n {
             for j in 0..n {
                 if i % 4 == j % 4 {
-                    let apart = (speeds[i / 4] - speeds[j / 4]) / 7.0;
+                    let apart = (at[i / 4].omega_rpm - at[j / 4].omega_rpm) / 7.0;
                     covariance[i * n + j] = ERROR * ERROR * (-0.5 * apart * apart).exp();
                 }
             }
         }
         Ok(Predicted { mean, covariance })
     }
-    fn expected(&self, theta: &[f64], speeds: &[f64]) -> Result<Vec<f64>, CalibError> {
+    fn expected(&self, theta: &[f64], at: &[OperatingPoint]) -> Result<Vec<f64>, CalibError> {
         let mut s = [0.0; 8];
         if let Some(k) = self.0 {
             s[k] = theta[1];
         }
         let mu = theta[0];
         let level = 14.0 + 24.0 * (2.2 * mu).atan();
-        Ok(speeds.iter().flat_map(|w| bed(*w, level, mu, &s)).collect())
+        Ok(at.iter().flat_map(|p| bed(p.omega_rpm, level, mu, &s)).collect())
     }
 }
 
@@ -125,7 +125,7 @@ pub(crate) fn measure(seed: u64, mu: f64, s: &[f64], sd_factor: f64) -> Observat
             let down = if response == Response::CenY { -1.0 } else { 1.0 };
             let noise = (down * swing + normal()) * 0.5_f64.sqrt() * SD[k] / 15_f64.sqrt();
             let mean = expected[k] + offset[k] + sd_factor * noise;
-            items.push(Observation { omega_rpm, response, mean, sd: SD[k] });
+            items.push(Observation { load: 0, omega_rpm, response, mean, sd: SD[k] });
         }
     }
     Observations::new(items, 15.0, FrameCorrelation::Swinging).expect("is well formed")
@@ -140,7 +140,8 @@ pub(crate) fn draw(seed: u64, mu: f64) -> Observations {
 pub(crate) fn draw_with(seed: u64, mu: f64, effect: Option<(usize, f64)>) -> Observations {
     let theta: Vec<f64> = [mu].into_iter().chain(effect.map(|e| e.1)).collect();
     let drum = Drum(effect.map(|e| e.0));
-    let predicted = drum.predict(&theta, &SPEEDS).expect("is well formed");
+    let predicted =
+        drum.predict(&theta, &SPEEDS.map(OperatingPoint::from)).expect("is well formed");
     let mut data = measure(seed, mu, &[0.0; 8], 1.0);
     // Frames and offsets of `measure` without its truth; errors of the model by a Cholesky factor.
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
