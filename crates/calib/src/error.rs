@@ -154,7 +154,9 @@ pub enum CalibError {
         parameters: usize,
     },
     /// A load of which a model knows nothing.
-    #[error("a table of simulated runs is of one load; there is an observation at {at}")]
+    #[error(
+        "the model knows nothing of the load that was measured at {at}; expected simulations of it"
+    )]
     Load {
         /// Where.
         at: OperatingPoint,

@@ -36,9 +36,34 @@ pub(crate) struct Care {
     /// 300 beads a bed is no continuum: of 43 drums of 236 beads that lack nothing three were alarms.)
     #[arg(long)]
     pub(crate) coarse: bool,
+    /// Each drum is filled with about half as much as well; both loads share the photographs.
+    #[arg(long)]
+    pub(crate) two_loads: bool,
+}
+
+/// The table of what was measured with a load.
+pub(crate) fn table_of(load: usize) -> &'static str {
+    ["measured.csv", "half.csv"][load]
 }
 
 impl Care {
+    /// Number of loads.
+    fn loads(self) -> u32 {
+        1 + u32::from(self.two_loads)
+    }
+
+    /// What a load is given by.
+    fn fill(self, load: usize) -> (&'static str, f64) {
+        if self.weighed {
+            // What so many beads of that spread weigh, to three figures; and half of them.
+            ("fill.mass_kg", [0.165, 0.08][load])
+        } else if self.coarse {
+            ("fill.count", [353.0, 171.0][load])
+        } else {
+            ("fill.count", [560.0, 272.0][load])
+        }
+    }
+
     fn speeds(self) -> &'static [f64] {
         if self.coarse { &FEW_SPEEDS } else { &SPEEDS }
     }
@@ -53,20 +78,15 @@ impl Care {
 /// of the Rayleigh time; twice that moves cohesive beds.)
 fn rig_text(law: &str, frames: u32, care: Care) -> String {
     let (speeds, frames) = (care.speeds(), care.frames(frames));
-    let (diameter, count, dt) = if care.coarse { (0.007, 353, 2.3e-4) } else { (0.006, 560, 2e-4) };
-    // What so many beads of that spread weigh, to three figures.
-    let fill = if care.weighed {
-        "fill.mass_kg = 0.165".to_owned()
-    } else {
-        format!("fill.count = {count}")
-    };
+    let (diameter, dt) = if care.coarse { (0.007, 2.3e-4) } else { (0.006, 2e-4) };
+    let (fill, amount) = care.fill(0);
     format!(
         r#"name = "blind"
 {law}
 drum = {{ radius_m = 0.05, length_m = 0.034, mantle = "glass", end_plates = "glass", ends = "periodic" }}
 particles = {{ material = "glass", shape = {{ sphere = {{ diameter_m = {diameter} }} }} }}
 size = {{ spread = 0.12 }}
-{fill}
+{fill} = {amount}
 friction = {{ pp = 0.4, mantle = 0.9 }}
 restitution = {{ pp = 0.6, mantle = 0.6 }}
 rolling = {{ pp = 0.01, mantle = 0.01 }}
@@ -82,9 +102,17 @@ glass = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e
 pub(crate) fn case_text(without: &[String], care: Care) -> String {
     let mut text = rig_text("", FRAMES, care);
     let fillings = care.fillings;
+    let _ = write!(text, "\n[data]\nresponses = \"{}\"\nfillings = {fillings}\n", table_of(0));
+    if care.two_loads {
+        let ((path, amount), table) = (care.fill(1), table_of(1));
+        let _ = write!(
+            text,
+            "\n[[data.loads]]\nresponses = \"{table}\"\n{path} = {amount}\nfillings = {fillings}\n"
+        );
+    }
     let _ = write!(
         text,
-        "\n[data]\nresponses = \"measured.csv\"\nfillings = {fillings}\n\n[free]\nfriction.pp = {{ range = [0.15, 0.9] }}\n\n[holdout]\nspeeds_rpm = [{HELD_OUT:?}]\n\n[simulator.rig]\ncoarse = false\n"
+        "\n[free]\nfriction.pp = {{ range = [0.15, 0.9] }}\n\n[holdout]\nspeeds_rpm = [{HELD_OUT:?}]\n\n[simulator.rig]\ncoarse = false\n"
     );
     if !without.is_empty() {
         let names: Vec<String> = without.iter().map(|n| format!("\"{n}\"")).collect();
@@ -93,7 +121,7 @@ pub(crate) fn case_text(without: &[String], care: Care) -> String {
     text
 }
 
-/// The rigs that nature runs, one a filling: other fillings than those of any fit, a finer step.
+/// The rigs that nature runs, one a filling, load after load: other fillings than those of any fit, a finer step.
 pub(crate) fn nature(truth: &Truth, seed: u64, care: Care) -> anyhow::Result<Vec<Rig>> {
     let law = truth
         .effects
@@ -102,7 +130,7 @@ pub(crate) fn nature(truth: &Truth, seed: u64, care: Care) -> anyhow::Result<Vec
         .map(|d| d.law)
         .find(|l| !l.is_empty())
         .unwrap_or("");
-    let photographs = PHOTOGRAPHS.div_ceil(care.fillings);
+    let photographs = PHOTOGRAPHS.div_ceil(care.fillings * care.loads());
     let mut rig = Rig::parse("blind.toml", &rig_text(law, photographs, care))?;
     let mut set = |path: &str, value: f64| {
         rig.settings.set(path, value).map_err(|_| anyhow::anyhow!("{path} = {value} is refused"))
@@ -119,9 +147,13 @@ pub(crate) fn nature(truth: &Truth, seed: u64, care: Care) -> anyhow::Result<Vec
         let mut own = rig.clone();
         // A first filling is that of an experimenter who has but one.
         own.run.seed = seed + 1_000_003 * u64::from(k);
-        own
+        let (path, amount) = care.fill((k / care.fillings) as usize);
+        own.settings
+            .set(path, amount)
+            .map_err(|_| anyhow::anyhow!("{path} = {amount} is refused"))?;
+        Ok(own)
     };
-    Ok((0..care.fillings).map(filling).collect())
+    (0..care.fillings * care.loads()).map(filling).collect()
 }
 
 /// Fillings of one drum as one table: means of means, frames of all.
@@ -180,6 +212,12 @@ pub(crate) fn table(run: &Run) -> String {
     text
 }
 
+/// Tables of what was measured, load by load, from runs of all fillings.
+pub(crate) fn measured(fillings: &[Run], care: Care) -> Vec<String> {
+    let loads = fillings.chunks(care.fillings as usize);
+    loads.filter_map(averaged).map(|run| table(&run)).collect()
+}
+
 /// Write one case, and seal what was done to it. A drum that does not settle is no measurement; what it was
 /// stays sealed.
 fn keep(
@@ -189,9 +227,8 @@ fn keep(
     fillings: anyhow::Result<Vec<Run>>,
     care: Care,
 ) -> anyhow::Result<()> {
-    let run = match fillings.map(|f| averaged(&f)) {
-        Ok(Some(run)) => run,
-        Ok(None) => return Ok(()),
+    let loads = match fillings {
+        Ok(all) => measured(&all, care),
         Err(e) => {
             println!("{}: {e}", truth.case);
             return Ok(());
@@ -207,7 +244,9 @@ fn keep(
     let text = serde_json::to_string(truth)?;
     let sealed = folder.join("truth").join(format!("{}.sealed", truth.case));
     std::fs::write(sealed, seal(&text, key))?;
-    std::fs::write(own.join("measured.csv"), table(&run))?;
+    for (load, text) in loads.iter().enumerate() {
+        std::fs::write(own.join(table_of(load)), text)?;
+    }
     std::fs::write(own.join("case.toml"), case_text(&without, care))?;
     Ok(())
 }
@@ -302,7 +341,7 @@ mod tests {
     #[test]
     fn an_experimenter_who_takes_care_refills_and_weighs() {
         let truth = drums::truth("null", "", 0.3, &[]);
-        let care = Care { fillings: 3, weighed: true, coarse: false };
+        let care = Care { fillings: 3, weighed: true, coarse: false, two_loads: false };
         let rigs = nature(&truth, 5, care).unwrap();
         let seeds: Vec<u64> = rigs.iter().map(|r| r.run.seed).collect();
         assert_eq!(seeds, [5, 1_000_008, 2_000_011]);
@@ -319,7 +358,22 @@ mod tests {
             close_loop::campaign::drum_rig::outline(&outline[0], &options).unwrap().particles as f64
         };
         let [few, many] =
-            [true, false].map(|coarse| count(Care { fillings: 1, weighed: false, coarse }));
+            [true, false].map(|coarse| count(Care { fillings: 1, weighed: false, coarse, ..care }));
         assert!((few / many - (6.0_f64 / 7.0).powi(3)).abs() < 2e-3, "{few} {many}");
+    }
+
+    #[test]
+    fn two_loads_share_the_photographs_and_each_has_its_table() {
+        let truth = drums::truth("null", "", 0.3, &[]);
+        let care = Care { fillings: 2, weighed: true, coarse: true, two_loads: true };
+        let rigs = nature(&truth, 5, care).unwrap();
+        let mass = |r: &Rig| r.settings.value("fill.mass_kg");
+        assert_eq!(rigs.iter().filter_map(mass).collect::<Vec<_>>(), [0.165, 0.165, 0.08, 0.08]);
+        // 120, half of them of a coarse drum, among four fillings.
+        assert!(rigs.iter().all(|r| r.run.frames == 15));
+        let case = close_loop::rig_schema::Case::parse("c.toml", &case_text(&[], care)).unwrap();
+        let half = &case.data.loads[0];
+        assert_eq!((half.responses.as_str(), half.fillings), (table_of(1), Some(2)));
+        assert_eq!(mass(&half.of(&case.rig)), Some(0.08));
     }
 }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::drums::truth;
 use super::elsewhere::{self, Other};
-use super::make::{Care, averaged, case_text, nature, nature_lab, table};
+use super::make::{Care, case_text, measured, nature, nature_lab, table_of};
 use super::score::fit_sampling;
 
 /// What a drum that lacks nothing was called.
@@ -37,8 +37,9 @@ pub(crate) fn run(
 ) -> anyhow::Result<()> {
     let other = liggghts.then(|| Other::locate(Code::Liggghts)).transpose();
     let other = other.map_err(|e| anyhow::anyhow!(e))?;
-    let coarse = if care.coarse { "_coarse" } else { "" };
-    let own = folder.join(format!("nulls{}{coarse}", if liggghts { "_liggghts" } else { "" }));
+    let named = [(liggghts, "_liggghts"), (care.coarse, "_coarse"), (care.two_loads, "_two_loads")];
+    let name: String = named.iter().filter(|(with, _)| *with).map(|(_, name)| *name).collect();
+    let own = folder.join(format!("nulls{name}"));
     std::fs::create_dir_all(&own)?;
     let picture = fit_sampling();
     let drums = nature_lab(folder, jobs, picture.resolution)?;
@@ -57,26 +58,23 @@ pub(crate) fn run(
             None => drums.run(&rigs, |_| ()).into_iter().collect::<Result<_, _>>().ok(),
             Some(other) => elsewhere::run_all(other, &rigs, &own.join(format!("{k:03}"))).ok(),
         };
-        let Some(run) = fillings.and_then(|f| averaged(&f)) else {
+        let texts = fillings.map_or_else(Vec::new, |f| measured(&f, care));
+        let parse = |text: &String| MeasuredTable::parse("null.csv", text);
+        let tables = texts.iter().map(parse).collect::<Result<Vec<_>, _>>()?;
+        let Some((measured, loads)) = tables.split_first() else {
             println!("{k}: the drum failed");
             continue;
         };
-        let text = table(&run);
-        let measured = MeasuredTable::parse("null.csv", &text)?;
         let mut settings = LoopSettings { runs: Some(runs), ..LoopSettings::default() };
         settings.attribution.bootstrap = 299;
         settings.attribution.stability_bootstrap = 0;
-        let looped = CloseLoop {
-            case: &case,
-            measured: &measured,
-            loads: &[],
-            lab: &lab,
-            settings: &settings,
-        };
+        let looped = CloseLoop { case: &case, measured, loads, lab: &lab, settings: &settings };
         let outcome = looped.run(&mut |_| ())?;
         let finding = &outcome.finding;
         // To look into an alarm.
-        std::fs::write(own.join(format!("{k:03}.csv")), &text)?;
+        for (load, text) in texts.iter().enumerate() {
+            std::fs::write(own.join(format!("{k:03}_{}", table_of(load))), text)?;
+        }
         let detail = serde_json::to_string(finding)?;
         std::fs::write(own.join(format!("{k:03}.finding")), detail)?;
         let called = Called {

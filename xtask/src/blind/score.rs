@@ -87,14 +87,18 @@ pub(crate) fn run(
         }
         let own = folder.join("cases").join(name);
         let case = Case::parse(name, &std::fs::read_to_string(own.join("case.toml"))?)?;
-        let text = std::fs::read_to_string(own.join("measured.csv"))?;
-        let measured = MeasuredTable::parse(name, &text)?;
+        let table = |file: &str| -> anyhow::Result<MeasuredTable> {
+            Ok(MeasuredTable::parse(name, &std::fs::read_to_string(own.join(file))?)?)
+        };
+        let measured = table(&case.data.responses)?;
+        let others = case.data.loads.iter().map(|load| table(&load.responses));
+        let loads = others.collect::<anyhow::Result<Vec<_>>>()?;
         let mut settings = LoopSettings { runs: Some(runs), ..LoopSettings::default() };
         settings.attribution.stability_bootstrap = 0;
         let looped = CloseLoop {
             case: &case,
             measured: &measured,
-            loads: &[],
+            loads: &loads,
             lab: &lab,
             settings: &settings,
         };

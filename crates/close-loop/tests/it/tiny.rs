@@ -59,14 +59,25 @@ fn close_with(
     jobs: usize,
     settings: LoopSettings,
 ) -> Result<Outcome, CloseLoopError> {
-    let case = Case::parse("case.toml", CASE).unwrap();
-    let measured = MeasuredTable::parse("measured.csv", table).unwrap();
+    close_case(folder, (CASE, &[table]), jobs, settings)
+}
+
+/// A case with a table for each load, the rig's own first.
+fn close_case(
+    folder: &std::path::Path,
+    (case, tables): (&str, &[&str]),
+    jobs: usize,
+    settings: LoopSettings,
+) -> Result<Outcome, CloseLoopError> {
+    let case = Case::parse("case.toml", case).unwrap();
+    let parse = |text: &&str| MeasuredTable::parse("measured.csv", text).unwrap();
+    let tables: Vec<MeasuredTable> = tables.iter().map(parse).collect();
+    let (measured, loads) = tables.split_first().unwrap();
     let lab = laboratory(folder, jobs);
     let mut settings = LoopSettings { runs: Some(38), predict: vec![65.0], ..settings };
     settings.attribution.bootstrap = 99;
     settings.attribution.stability_bootstrap = 0;
-    CloseLoop { case: &case, measured: &measured, loads: &[], lab: &lab, settings: &settings }
-        .run(&mut |_| ())
+    CloseLoop { case: &case, measured, loads, lab: &lab, settings: &settings }.run(&mut |_| ())
 }
 
 /// Everything but the time that runs took.
@@ -127,9 +138,10 @@ fn a_loop_says_the_same_again_from_what_is_kept_and_with_other_workers() {
     }
 }
 
-/// What a drum with fewer beads shows, in another filling, as a table.
-fn fewer_beads(folder: &std::path::Path, scale: f64) -> String {
+/// What a drum with fewer beads than `count` shows, in another filling, as a table.
+fn fewer_beads(folder: &std::path::Path, count: f64, scale: f64) -> String {
     let mut rig = Case::parse("case.toml", CASE).unwrap().rig;
+    rig.settings.set("fill.count", count).unwrap();
     rig.settings.set("fill.scale", scale).unwrap();
     rig.settings.set("friction.pp", 0.4).unwrap();
     rig.run.seed = 77;
@@ -147,13 +159,51 @@ fn fewer_beads(folder: &std::path::Path, scale: f64) -> String {
 #[test]
 fn fewer_beads_are_named_and_counted() {
     let folder = tempfile::tempdir().unwrap();
-    let table = fewer_beads(&folder.path().join("nature"), 0.8);
+    let table = fewer_beads(&folder.path().join("nature"), 420.0, 0.8);
     let found = close(&folder.path().join("fits"), &table, 2).unwrap();
     assert!(found.members.iter().any(|m| m == "fill.scale"), "{}", found.sentence);
     assert_eq!(found.confirmed, Some(true), "{}", found.sentence);
     // The interval holds the truth and is no wider than a fifth of the beads; two speeds of six frames tell no more.
     let fill = found.strengths.iter().find(|s| s.name == "fill.scale").unwrap();
     assert!(fill.lo < 0.8 && 0.8 < fill.hi && fill.hi - fill.lo < 0.2, "{fill:?}");
+}
+
+#[test]
+fn two_loads_of_a_drum_are_explained_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let nature = folder.path().join("nature");
+    let [full, half] = [420.0, 230.0].map(|count| fewer_beads(&nature, count, 0.8));
+    let other = "\n[[data.loads]]\nresponses = \"half.csv\"\nfill.count = 230\n[free]";
+    let case = CASE.replace("\n[free]", other);
+    let fits = folder.path().join("fits");
+    let close = |tables: &[&str]| close_case(&fits, (&case, tables), 2, LoopSettings::default());
+    let found = close(&[&full, &half]).unwrap();
+    assert!(found.members.iter().any(|m| m == "fill.scale"), "{}", found.sentence);
+    assert_eq!(found.confirmed, Some(true), "{}", found.sentence);
+    let fill = found.strengths.iter().find(|s| s.name == "fill.scale").unwrap();
+    assert!(fill.lo < 0.8 && 0.8 < fill.hi && fill.hi - fill.lo < 0.15, "{fill:?}");
+    // Both loads are in what is told, each with what fresh runs of it say.
+    let amounts: Vec<f64> = found.loads.iter().map(|l| l.fill.1).collect();
+    assert_eq!(amounts, [420.0, 230.0]);
+    for load in 0..2 {
+        let own: Vec<_> = found.points.iter().filter(|p| p.load == load).collect();
+        assert_eq!(own.len(), 8);
+        let near = own.iter().filter(|p| (p.measured - p.after).abs() < 3.0 * p.sd).count();
+        assert!(near >= 7, "{own:?}");
+    }
+    // The lower bed has its centre of area lower, by a tenth of the radius and more.
+    let height = |load| {
+        let own = |p: &&close_loop::Point| p.load == load && p.response == "cen_y_pct";
+        found.points.iter().find(own).unwrap().after
+    };
+    assert!(height(1) > height(0) + 10.0, "{} {}", height(0), height(1));
+    assert!(
+        found.assumed.iter().any(|a| a.contains("with fill.count = 230")),
+        "{:?}",
+        found.assumed
+    );
+    let fault = close(&[&full]).unwrap_err();
+    assert!(matches!(fault, CloseLoopError::Loads { expected: 1, given: 0 }), "{fault}");
 }
 
 #[test]

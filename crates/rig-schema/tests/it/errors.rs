@@ -64,6 +64,29 @@ fn a_plan_and_a_case_refuse_what_they_do_not_know() {
     let table = "simulator.table = { file = \"t.csv\", columns = { mu = \"friction.pp\" } }";
     let shown = message(Case::parse("case.toml", &with("3").replace("simulator.rig = {}", table)));
     assert!(shown.contains("does not say how fillings of a drum differ"), "{shown}");
+    let load = |n: &str| {
+        case.replace(
+            "\"m.csv\"",
+            &format!("\"m.csv\"\ndata.loads = [{{ responses = \"h.csv\", {n} }}]"),
+        )
+    };
+    let read = Case::parse("case.toml", &load("fill.count = 450")).expect("reads").data.loads;
+    assert_eq!(read[0].fill.setting(), ("fill.count", 450.0));
+    for (bad, needle) in [
+        ("fill.mass_kg = 0.1", "the rig by another measure"),
+        ("fill.count = -3", "is no load of a drum"),
+        ("fill.count = 7807", "is that of the rig itself"),
+        ("fill.count = 450, fillings = 0", "no number of fillings"),
+        ("fill.count = 450, n_eff = 0.5", "not a number of frames"),
+        ("fill.volume = 2", "unknown choice"),
+        ("fillings = 2", "missing field"),
+    ] {
+        let shown = message(Case::parse("case.toml", &load(bad)));
+        assert!(shown.contains(needle), "{bad}: {shown}");
+    }
+    let shown = load("fill.count = 450").replace("simulator.rig = {}", table);
+    let shown = message(Case::parse("case.toml", &shown));
+    assert!(shown.contains("simulated runs is of one load"), "{shown}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod cases;
 mod faults;
 mod linear;
+mod loads;
 mod optima;
 mod pairs;
 mod rates;
