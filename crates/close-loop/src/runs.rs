@@ -105,11 +105,6 @@ impl<'a> Runs<'a> {
         ChaCha8Rng::seed_from_u64(seed).next_u64() >> 12
     }
 
-    /// The rig with each of its loads.
-    fn loads(&self, rig: &Rig) -> Vec<Rig> {
-        loads(rig, &self.further)
-    }
-
     /// Run rigs with all loads; a rig that fails is noted under its label and gives `None`.
     pub(crate) fn all(
         &mut self,
@@ -122,19 +117,19 @@ impl<'a> Runs<'a> {
         let stand_in = stand_in.unwrap_or(StandIn::NONE);
         // A stand-in that cannot be described is a run that failed.
         let describe = |rig: &Rig| -> Result<Vec<Rig>, drum_rig::Error> {
-            self.loads(rig).iter().map(|own| stand_in.of(own)).collect()
+            loads(rig, &self.further).iter().map(|own| stand_in.of(own)).collect()
         };
         let described: Vec<_> = rigs.iter().map(|(_, rig)| describe(rig)).collect();
         let list: Vec<Rig> = described.iter().flatten().flatten().cloned().collect();
-        let loads = 1 + self.further.len();
-        let (mut ended, of) = (0, list.len() / loads);
+        let each = 1 + self.further.len();
+        let (mut ended, of) = (0, list.len() / each);
         let made = self.made;
         // Filming a motion again is no run.
         let counts = usize::from(stage != Stage::Filming);
         watch(&Told { stage, done: 0, of, runs: made, cost_s: None });
         let results = self.lab.run(&list, |d| {
             ended += 1;
-            let done = ended / loads;
+            let done = ended / each;
             let cost_s = d.run.ok().filter(|_| !d.kept).map(|r| r.cost_s);
             watch(&Told { stage, done, of, runs: made + counts * done, cost_s });
         });
@@ -145,7 +140,7 @@ impl<'a> Runs<'a> {
                 let costs = all.iter().flatten().map(|run| run.cost_s);
                 (costs.clone().count() > 0).then(|| costs.sum::<f64>())
             };
-            let costs: Vec<f64> = results.chunks(loads).filter_map(cost).collect();
+            let costs: Vec<f64> = results.chunks(each).filter_map(cost).collect();
             self.clock.tell(whole, &costs);
         }
         let mut runs = Vec::new();
@@ -154,8 +149,8 @@ impl<'a> Runs<'a> {
             let result = match own {
                 // One result for each rig that was described.
                 Ok(own) => {
-                    let all: Vec<_> = results.by_ref().take(loads).collect();
-                    joined(own, all)
+                    let all: Vec<_> = results.by_ref().take(each).collect();
+                    joined(&own, all)
                 }
                 Err(e) => Err(e.into()),
             };
@@ -190,7 +185,7 @@ pub(crate) fn loads(rig: &Rig, further: &[Further]) -> Vec<Rig> {
 }
 
 /// Runs of all loads as one.
-fn joined(rigs: Vec<Rig>, results: Vec<Result<Run, CampaignError>>) -> Result<Made, CampaignError> {
+fn joined(rigs: &[Rig], results: Vec<Result<Run, CampaignError>>) -> Result<Made, CampaignError> {
     if results.len() < rigs.len() {
         return Err(CampaignError::Stopped);
     }
