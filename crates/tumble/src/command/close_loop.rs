@@ -304,6 +304,23 @@ mod tests {
     }
 
     #[test]
+    fn tables_of_all_loads_are_read_and_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let drum = input::case_text(None).expect("is embedded");
+        let path = folder.path().join("case.toml");
+        std::fs::write(folder.path().join("measured.csv"), &drum.measured.text).expect("written");
+        let load = "\n[[data.loads]]\nresponses = \"half.csv\"\nfill.count = 280\n[free]";
+        std::fs::write(&path, drum.case.text.replace("\n[free]", load)).expect("written");
+        let missing = input::case_text(path.to_str()).err().expect("half.csv is not there");
+        assert!(missing.to_string().contains("half.csv"), "{missing}");
+        std::fs::write(folder.path().join("half.csv"), &drum.measured.text).expect("written");
+        let text = input::case_text(path.to_str()).expect("is read");
+        assert_eq!((text.loads.len(), text.inputs().len()), (1, 3));
+        let case = Case::parse(&text.case.name, &text.case.text).expect("is well formed");
+        assert_eq!(case.data.loads[0].of(&case.rig).settings.value("fill.count"), Some(280.0));
+    }
+
+    #[test]
     fn a_case_says_by_how_much_codes_differ() {
         let folder = tempfile::tempdir().expect("a folder");
         let drum = input::case_text(None).expect("is embedded");

@@ -336,13 +336,18 @@ fn candidates(o: &Outcome) -> Section {
 
 fn apart(o: &Outcome) -> Section {
     let mut section = Section::new("What would tell them apart");
-    if o.members.is_empty() {
-        return section;
-    }
     let each = o.finding.ranked.iter().filter(|r| o.members.contains(&r.name));
-    section.blocks.push(Block::List(
-        each.map(|r| format!("{} ({}): {}.", r.name, r.meaning, r.exposed_by)).collect(),
-    ));
+    let mut all: Vec<String> =
+        each.map(|r| format!("{} ({}): {}.", r.name, r.meaning, r.exposed_by)).collect();
+    if o.loads.len() == 1 && matches!(o.verdict, "class" | "unknown") {
+        all.push(
+            "Most effects: the same photographs of a second load as well, half as much in the drum, say ([[data.loads]] in the case)."
+                .to_owned(),
+        );
+    }
+    if !all.is_empty() {
+        section.blocks.push(Block::List(all));
+    }
     section
 }
 
