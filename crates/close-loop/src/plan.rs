@@ -273,27 +273,7 @@ impl Setup {
                 None => return Err(CloseLoopError::Nuisance { path: n.path.clone() }),
             }
         }
-        let range = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut split: Option<(Observations, Observations)> = None;
-        for (load, t) in this.tables().enumerate() {
-            let n_eff = t.n_eff.unwrap_or(DEFAULT_N_EFF);
-            let frames = FrameCorrelation::default();
-            let every = Observations::from_table(t.table, range, n_eff, frames)?.0.with_load(load);
-            let rows = &t.table.rows;
-            let kept_aside = |omega: f64| {
-                let index = rows.iter().position(|r| r.omega_rpm == omega).unwrap_or(0);
-                case.holds_out(index, rows.len(), omega)
-            };
-            let fitted = every.filter(|o| !kept_aside(o.omega_rpm));
-            let held = every.filter(|o| kept_aside(o.omega_rpm));
-            split = Some(match split {
-                None => (fitted, held),
-                Some((f, h)) => (f.followed_by(&fitted), h.followed_by(&held)),
-            });
-        }
-        let Some((observations, held_out)) = split else {
-            return Err(CloseLoopError::Loads { expected: 1, given: 0 });
-        };
+        let (observations, held_out) = observed(this)?;
         let taken: Vec<String> = case
             .free
             .iter()
@@ -358,6 +338,26 @@ impl Setup {
         let middle = fill_box(&self.axes, &low, &high, 1, 0);
         rig_at(&self.rig, &self.axes, &middle[0], 0)
     }
+}
+
+/// What was measured with all loads: what is fitted, and what is kept aside.
+fn observed(this: &CloseLoop<'_>) -> Result<(Observations, Observations), CloseLoopError> {
+    let range = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut all = Vec::new();
+    for (load, t) in this.tables().enumerate() {
+        let n_eff = t.n_eff.unwrap_or(DEFAULT_N_EFF);
+        let frames = FrameCorrelation::default();
+        let every = Observations::from_table(t.table, range, n_eff, frames)?.0.with_load(load);
+        let rows = &t.table.rows;
+        let kept_aside = |omega: f64| {
+            let index = rows.iter().position(|r| r.omega_rpm == omega).unwrap_or(0);
+            this.case.holds_out(index, rows.len(), omega)
+        };
+        let fitted = every.filter(|o| !kept_aside(o.omega_rpm));
+        all.push((fitted, every.filter(|o| kept_aside(o.omega_rpm))));
+    }
+    let joined = all.into_iter().reduce(|a, b| (a.0.followed_by(&b.0), a.1.followed_by(&b.1)));
+    joined.ok_or(CloseLoopError::Loads { expected: 1, given: 0 })
 }
 
 #[cfg(test)]
