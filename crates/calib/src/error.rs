@@ -161,6 +161,14 @@ pub enum CalibError {
         /// Where.
         at: OperatingPoint,
     },
+    /// Knots of a model that are out of order.
+    #[error(
+        "{at} is no knot that can follow; expected ascending speeds, load after load, counted from 0"
+    )]
+    Knot {
+        /// The knot.
+        at: OperatingPoint,
+    },
     /// A speed at which a model cannot predict.
     #[error("`{model}` covers {low} to {high} rpm; there is an observation at {omega_rpm} rpm")]
     SpeedRange {

@@ -3,8 +3,6 @@
 //! The surfaces are those of [`crate::process`]; between the simulated speeds of a load a cubic spline goes on. What
 //! runs scatter beyond their frames is counted once more for the measured drum, which is one filling too.
 
-use std::ops::Range;
-
 use calib::{CalibError, OperatingPoint};
 
 use crate::anchors::{Anchor, Off, Whole, off};
@@ -13,11 +11,13 @@ use crate::process::{Local, Process, Scatter, witnesses};
 use crate::unrest::Unrest;
 
 mod axis;
+mod load;
 mod spread;
 
 pub use axis::Axis;
 pub(crate) use axis::distance_squared;
 use axis::{code, place};
+use load::{OfLoad, check_knots, check_runs, of_load};
 
 /// How near a point runs tell how runs scatter there, units: a standard deviation.
 const NEAR: f64 = 0.5;
@@ -39,20 +39,6 @@ pub struct Sample {
     pub variance: Vec<[f64; 4]>,
     /// By how much more solid its fillings held than is expected of the rig, load by load, as a part of that.
     pub excess: Vec<f64>,
-}
-
-/// What is particular to one load of the drum: its fillings are others, and so is what more volume does.
-#[derive(Debug, Clone)]
-struct OfLoad {
-    /// Its knots among all.
-    at: Range<usize>,
-    /// Their speeds, rpm.
-    speeds_rpm: Vec<f64>,
-    process: Process,
-    /// Standard deviation of the volume of a measured filling, as a part of it.
-    volume_sd: f64,
-    /// Fillings that the measured means are averages over.
-    fillings: f64,
 }
 
 /// A model of the simulator, made of its runs.
@@ -81,7 +67,8 @@ impl Emulator {
     ///
     /// # Errors
     /// [`CalibError::TooFewRuns`] with fewer than two runs, [`CalibError::Covariance`] if the
-    /// regression has no solution.
+    /// regression has no solution, [`CalibError::Knot`] and [`CalibError::Lengths`] for knots out of order and runs that do not
+    /// fit them.
     pub fn fit(
         axes: Vec<Axis>,
         origin: Vec<f64>,
@@ -101,6 +88,8 @@ impl Emulator {
         point: Option<&[f64]>,
     ) -> Result<Self, CalibError> {
         let coded = coded(&axes, &origin, samples)?;
+        check_knots(&knots)?;
+        check_runs(&knots, samples)?;
         let weight = point.map_or_else(|| vec![1.0; samples.len()], |p| about(&axes, samples, p));
         let point = point.map_or_else(|| vec![0.0; axes.len()], |p| code(&axes, &origin, p));
         let all: f64 = weight.iter().sum();
@@ -151,10 +140,13 @@ impl Emulator {
         samples: &[Sample],
     ) -> Result<Self, CalibError> {
         let coded = coded(&axes, &origin, samples)?;
-        let mut loads = self.loads.clone();
-        for (l, own) in loads.iter_mut().enumerate() {
+        check_runs(&self.knots, samples)?;
+        let mut loads = Vec::new();
+        for (l, own) in self.loads.iter().enumerate() {
             let (mean, excess) = of_load(samples, (l, &own.at));
-            own.process = own.process.of_others((coded.clone(), excess), &mean)?;
+            let process = own.process.of_others((coded.clone(), excess), &mean)?;
+            let (at, speeds_rpm) = (own.at.clone(), own.speeds_rpm.clone());
+            loads.push(OfLoad { at, speeds_rpm, process, ..*own });
         }
         let others = |u: &Unrest| u.of_others(axes.clone(), origin.clone(), samples);
         let unrest = self.unrest.as_deref().map(others).transpose()?.map(Box::new);
@@ -401,15 +393,6 @@ fn coded(axes: &[Axis], origin: &[f64], samples: &[Sample]) -> Result<Vec<Vec<f6
         return Err(CalibError::TooFewRuns { runs: samples.len(), terms: 1, needed: 2 });
     }
     Ok(samples.iter().map(|s| code(axes, origin, &s.at)).collect())
-}
-
-/// Means of runs with one load, by its knots, and the excess of their volumes.
-fn of_load<'s>(
-    samples: &'s [Sample],
-    (load, at): (usize, &Range<usize>),
-) -> (Vec<&'s [[f64; 4]]>, Vec<f64>) {
-    let mean = samples.iter().map(|s| &s.mean[at.clone()]).collect();
-    (mean, samples.iter().map(|s| s.excess[load]).collect())
 }
 
 /// Weights of runs in what is told of a point: nearer than any others if enough of them lie there.

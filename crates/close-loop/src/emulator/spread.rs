@@ -2,7 +2,8 @@
 
 use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 
-use super::{Emulator, OfLoad};
+use super::Emulator;
+use super::load::OfLoad;
 use crate::ignorance::BESIDE;
 use crate::process::Local;
 use crate::speeds::weights;

@@ -65,4 +65,19 @@ fn loads_have_their_own_fillings_and_surfaces() {
     assert!(one > 0.9 * full * full && other.abs() < 0.05 * one, "{one} {other}");
     let third = model.predict(&[0.4], &[point(2, 20.0)]);
     assert!(matches!(third, Err(CalibError::Load { at }) if at.load == 2));
+    // Knots and runs that cannot be are refused.
+    let refit = |knots: &[OperatingPoint], runs: &[Sample]| {
+        let axes = model.axes().to_vec();
+        Emulator::fit(axes, vec![0.4], knots.to_vec(), runs).unwrap_err()
+    };
+    let turned: Vec<OperatingPoint> = knots.iter().rev().copied().collect();
+    assert_eq!(refit(&turned, &runs), CalibError::Knot { at: point(1, 30.0) });
+    let skipped = [point(0, 20.0), point(0, 40.0), point(2, 30.0)];
+    assert_eq!(refit(&skipped, &runs), CalibError::Knot { at: point(2, 30.0) });
+    let fault = refit(&knots[..2], &runs);
+    assert!(matches!(fault, CalibError::Lengths { expected: 2, given: 3, .. }), "{fault}");
+    let mut short = runs.clone();
+    short[3].excess.pop();
+    let fault = refit(&knots, &short);
+    assert!(matches!(fault, CalibError::Lengths { expected: 2, given: 1, .. }), "{fault}");
 }
