@@ -68,6 +68,15 @@ impl Observation {
     pub fn at(&self) -> OperatingPoint {
         OperatingPoint { load: self.load, omega_rpm: self.omega_rpm }
     }
+
+    /// Operating points of observations, each once, in order, and for each observation its element of a prediction at them
+    /// ([`crate::Predicted`]).
+    pub fn places(items: &[Self]) -> (Vec<OperatingPoint>, Vec<usize>) {
+        let points = OperatingPoint::distinct(items.iter().map(Self::at));
+        let place = |o: &Self| 4 * points.partition_point(|p| *p < o.at()) + o.response.index();
+        let places = items.iter().map(place).collect();
+        (points, places)
+    }
 }
 
 /// All measured responses that are matched, with the covariance of their means.
@@ -225,18 +234,9 @@ impl Observations {
         self
     }
 
-    /// Operating points, each once, in order.
-    pub fn operating_points(&self) -> Vec<OperatingPoint> {
-        OperatingPoint::distinct(self.items.iter().map(Observation::at))
-    }
-
-    /// Operating points, and for each item its element of a prediction at them ([`crate::Predicted`]).
+    /// Operating points, and for each item its element of a prediction at them ([`Observation::places`]).
     pub fn places(&self) -> (Vec<OperatingPoint>, Vec<usize>) {
-        let points = self.operating_points();
-        let place =
-            |o: &Observation| 4 * points.partition_point(|p| *p < o.at()) + o.response.index();
-        let places = self.items.iter().map(place).collect();
-        (points, places)
+        Observation::places(&self.items)
     }
 
     /// Speeds, each once, ascending.

@@ -128,17 +128,15 @@ impl State<'_> {
         if !self.setup.scatter_tells {
             return Ok(model);
         }
-        let fillings: Vec<u32> = self.setup.loads.iter().map(|l| l.fillings).collect();
+        let fillings = self.setup.fillings();
         let told = (&self.setup.observations, &fillings[..]);
         Ok(model.with_unrest(Unrest::about(place, &self.base, point, told)?))
     }
 
     pub(crate) fn dress(&self, model: Emulator) -> Emulator {
-        let loads = &self.setup.loads;
-        let volume_sd: Vec<f64> = loads.iter().map(|l| l.volume_sd).collect();
-        let fillings: Vec<u32> = loads.iter().map(|l| l.fillings).collect();
+        let volume_sd: Vec<f64> = self.setup.loads.iter().map(|l| l.volume_sd).collect();
         let model = model.with_modes(self.modes.clone()).with_volume_sd(&volume_sd);
-        model.with_fillings(&fillings).anchored(&self.wholes)
+        model.with_fillings(&self.setup.fillings()).anchored(&self.wholes)
     }
 
     pub(crate) fn problem<'m>(&self, base: &'m Emulator) -> Problem<'m> {

@@ -277,10 +277,8 @@ fn compared(
     let local = Local { at, unknown, shared, unsure, of_volume };
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
-    let distinct = OperatingPoint::distinct(items.iter().map(Observation::at));
-    let predicted = base.spread(&distinct, &local);
-    let spot = |o: &Observation| 4 * distinct.partition_point(|p| *p < o.at()) + o.response.index();
-    let place: Vec<usize> = items.iter().map(spot).collect();
+    let (points, place) = Observation::places(&items);
+    let predicted = base.spread(&points, &local);
     let noise = |i: usize, j: usize| {
         let own = |o: &Observations, i: usize, j: usize| o.covariance(i, j);
         let measured = match (&state.setup.held_out, i < fitted, j < fitted) {

@@ -326,9 +326,14 @@ impl Setup {
         all
     }
 
-    /// Fillings that were measured, of the load of which there are most.
+    /// Fillings that were measured, load by load.
+    pub(crate) fn fillings(&self) -> Vec<u32> {
+        self.loads.iter().map(|l| l.fillings).collect()
+    }
+
+    /// The same of the load of which there are most.
     pub(crate) fn most_fillings(&self) -> usize {
-        self.loads.iter().map(|l| l.fillings as usize).max().unwrap_or(1)
+        self.fillings().into_iter().max().unwrap_or(1) as usize
     }
 
     /// The rig at the middle of the free ranges.
