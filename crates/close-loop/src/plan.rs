@@ -236,6 +236,11 @@ impl Setup {
         let cast = Cast::of(settings.fidelity, stand_in, &rig)?;
         let mut loads_of = Vec::new();
         for (t, own) in this.tables().zip(loads(&rig, &further)) {
+            let (path, value) = t.fill;
+            // A load that no case file told may be out of range.
+            if own.settings.value(path) != Some(value) {
+                return Err(CloseLoopError::Strength { path: path.to_owned(), value });
+            }
             // Refused now rather than run by run.
             cast.everyday.of(&own)?;
             let volume_sd = drum_rig::solid_volume(&own).map_err(CampaignError::from)?.relative_sd;

@@ -43,7 +43,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// The rig with this load.
+    /// The rig with this load; as it is where the amount is out of range, which no case that was read has.
     ///
     /// ```
     /// # let text = include_str!("../tests/data/two_loads.toml");

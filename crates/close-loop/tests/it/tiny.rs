@@ -231,6 +231,22 @@ fn a_coarse_stand_in_is_held_against_the_drum_and_the_answer_is_the_drums() {
 }
 
 #[test]
+fn a_load_that_no_drum_can_hold_is_refused_before_anything_is_simulated() {
+    use close_loop::rig_schema::{Amount, Load};
+    let folder = tempfile::tempdir().unwrap();
+    let mut case = Case::parse("case.toml", CASE).unwrap();
+    let (responses, fill) = ("half.csv".to_owned(), Amount::Count(-5.0));
+    case.data.loads = vec![Load { responses, fill, n_eff: None, fillings: None }];
+    let measured = MeasuredTable::parse("measured.csv", IMPOSSIBLE).unwrap();
+    let (lab, settings) = (laboratory(folder.path(), 1), LoopSettings::default());
+    let loads = [measured.clone()];
+    let (case, measured, loads, lab, settings) = (&case, &measured, &loads, &lab, &settings);
+    let fault = CloseLoop { case, measured, loads, lab, settings }.planned().unwrap_err();
+    let CloseLoopError::Strength { path, value } = fault else { panic!("{fault}") };
+    assert_eq!((path.as_str(), value), ("fill.count", -5.0));
+}
+
+#[test]
 fn too_few_runs_are_refused_before_anything_is_simulated() {
     let folder = tempfile::tempdir().unwrap();
     let case = Case::parse("case.toml", CASE).unwrap();
