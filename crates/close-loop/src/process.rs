@@ -109,13 +109,27 @@ pub(crate) struct Process {
     pub(crate) scatter: Scatter,
     /// By knot and response.
     outputs: Vec<[Output; 4]>,
+    /// Inverse of the runs' covariance times what they showed, by knot and run: the four responses of a run side by side,
+    /// as means are asked for more than anything else.
+    alpha: Vec<Vec<[f64; 4]>>,
 }
 
 #[derive(Debug, Clone)]
 struct Output {
     middle: f64,
-    alpha: Vec<f64>,
     inverse: Mat<f64>,
+}
+
+impl Output {
+    /// The inverse times a vector, column by column, which processors do several rows at a time.
+    fn weights(&self, of: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; of.len()];
+        for (j, x) in of.iter().enumerate() {
+            let column = self.inverse.col_as_slice(j);
+            all.iter_mut().zip(column).for_each(|(sum, c)| *sum += c * x);
+        }
+        all
+    }
 }
 
 impl Process {
@@ -170,24 +184,23 @@ impl Process {
 
     /// What more volume does about a point, by runs whose volumes were left in their outputs.
     fn volume_of_runs(&self, excess: &[f64], point: &[f64]) -> Volume {
-        let n = excess.len();
         let to: Vec<f64> =
             self.coded.iter().zip(excess).map(|(c, e)| e * of_volume(c, point)).collect();
-        let told = |o: &Output| {
-            let weights = |i: usize| (0..n).map(|j| o.inverse[(i, j)] * to[j]).sum::<f64>();
-            let known: f64 = (0..n).map(|i| to[i] * weights(i)).sum();
-            let slope = o.alpha.iter().zip(&to).map(|(a, t)| a * t).sum();
+        let told = |k: usize, r: usize| {
+            let o = &self.outputs[k][r];
+            let known: f64 = to.iter().zip(o.weights(&to)).map(|(t, w)| t * w).sum();
+            let slope = self.alpha[k].iter().zip(&to).map(|(a, t)| a[r] * t).sum();
             Told { slope, variance: (of_volume(point, point) - known).max(0.0) }
         };
         let all: Vec<[Told; 4]> =
-            self.outputs.iter().map(|four| std::array::from_fn(|r| told(&four[r]))).collect();
+            (0..self.outputs.len()).map(|k| std::array::from_fn(|r| told(k, r))).collect();
         let knots = self.outputs.len() as f64;
         let gradient = |d: usize| {
-            let own = |o: &Output| {
-                let each = o.alpha.iter().zip(excess).zip(&self.coded);
-                each.map(|((a, e), c)| VOLUME_CHANGES.powi(2) * a * e * c[d]).sum::<f64>()
+            let own = |alpha: &Vec<[f64; 4]>, r: usize| {
+                let each = alpha.iter().zip(excess).zip(&self.coded);
+                each.map(|((a, e), c)| VOLUME_CHANGES.powi(2) * a[r] * e * c[d]).sum::<f64>()
             };
-            std::array::from_fn(|r| self.outputs.iter().map(|o| own(&o[r])).sum::<f64>() / knots)
+            std::array::from_fn(|r| self.alpha.iter().map(|a| own(a, r)).sum::<f64>() / knots)
         };
         let gradient = (0..point.len()).map(gradient).collect();
         Volume::of_runs(point.to_vec(), &all, gradient)
@@ -200,8 +213,8 @@ impl Process {
         let (n, knots) = (self.coded.len(), self.outputs.len());
         // Miss of run i if it is left out, and the variance of that (Rasmussen and Williams, section 5.4.2).
         let missed = |k: usize, r: usize, i: usize| {
-            let (o, own) = (&self.outputs[k][r], self.outputs[k][r].inverse[(i, i)]);
-            (o.alpha[i] / own, 1.0 / own)
+            let own = self.outputs[k][r].inverse[(i, i)];
+            (self.alpha[k][i][r] / own, 1.0 / own)
         };
         let all: f64 = weight.iter().sum();
         let mean = |of: &dyn Fn(usize) -> f64| (0..n).map(|i| weight[i] * of(i)).sum::<f64>() / all;
@@ -356,6 +369,7 @@ impl Process {
         let (amplitude, shift) = (chosen.map(|c| c.0), chosen.map(|c| c.1));
         let of = kernels(length);
         let mut fitted = Vec::with_capacity(frames.len());
+        let mut alpha = vec![vec![[0.0; 4]; n]; frames.len()];
         for (k, own) in outputs.iter().enumerate() {
             let mut four = Vec::with_capacity(4);
             for (r, a) in amplitude.iter().enumerate() {
@@ -363,16 +377,16 @@ impl Process {
                     system(&of, *a, noise(shift[r], k, r)).llt(Side::Lower).map_err(|_| fault())?;
                 let (middle, y) = &own[r];
                 let solved = llt.solve(y);
-                let alpha = (0..n).map(|i| solved[(i, 0)]).collect();
+                alpha[k].iter_mut().enumerate().for_each(|(i, row)| row[r] = solved[(i, 0)]);
                 let inverse = llt.solve(Mat::<f64>::identity(n, n));
-                four.push(Output { middle: *middle, alpha, inverse });
+                four.push(Output { middle: *middle, inverse });
             }
             fitted.push(four.try_into().map_err(|_| fault())?);
         }
         let swings = vec![1.0; frames.len()];
         let scatter = Scatter { shift, together: ALONE, swings, frames };
         let volume = Volume::none(scatter.swings.len());
-        Ok(Self { coded, volume, amplitude, length, scatter, outputs: fitted })
+        Ok(Self { coded, volume, amplitude, length, scatter, outputs: fitted, alpha })
     }
 
     /// Change of the means at a point for twice the volume, by knot.
@@ -385,25 +399,32 @@ impl Process {
         self.mean_from(&self.to(z))
     }
 
-    /// Kernels between a point and every run.
-    fn to(&self, z: &[f64]) -> Vec<(f64, f64)> {
-        self.coded.iter().map(|c| kernel(c, z, self.length)).collect()
+    /// Kernels between a point and every run, for each response.
+    fn to(&self, z: &[f64]) -> Vec<[f64; 4]> {
+        let square = self.amplitude.map(|a| a.powi(2));
+        let one = |c: &Vec<f64>| {
+            let (q, s) = kernel(c, z, self.length);
+            square.map(|a| q + a * s)
+        };
+        self.coded.iter().map(one).collect()
     }
 
-    fn mean_from(&self, to: &[(f64, f64)]) -> Vec<[f64; 4]> {
-        let value = |four: &[Output; 4], r: usize| {
-            let (o, a) = (&four[r], self.amplitude[r].powi(2));
-            let sum: f64 = to.iter().zip(&o.alpha).map(|((q, s), w)| (q + a * s) * w).sum();
-            o.middle + sum
+    fn mean_from(&self, to: &[[f64; 4]]) -> Vec<[f64; 4]> {
+        let mean = |(four, alpha): (&[Output; 4], &Vec<[f64; 4]>)| {
+            let mut sum = [0.0; 4];
+            for (k, a) in to.iter().zip(alpha) {
+                (0..4).for_each(|r| sum[r] += k[r] * a[r]);
+            }
+            std::array::from_fn(|r| four[r].middle + sum[r])
         };
-        self.outputs.iter().map(|four| std::array::from_fn(|r| value(four, r))).collect()
+        self.outputs.iter().zip(&self.alpha).map(mean).collect()
     }
 
     /// Means at a point with their covariance, by knot: what the scatter of runs leaves, and what the surface does not
     /// know.
     pub(crate) fn moments(&self, z: &[f64]) -> Local {
-        let n = self.coded.len();
         let to = self.to(z);
+        let of_response: [Vec<f64>; 4] = std::array::from_fn(|r| to.iter().map(|k| k[r]).collect());
         let (own_q, own_s) = kernel(z, z, self.length);
         let mut local = Local { of_volume: self.of_volume(z), ..Local::default() };
         for ((four, frame), mean) in
@@ -415,9 +436,8 @@ impl Process {
             let mut covariance = [[0.0; 4]; 4];
             for r in 0..4 {
                 let a = self.amplitude[r].powi(2);
-                let k: Vec<f64> = to.iter().map(|(q, s)| q + a * s).collect();
-                let inverse = &four[r].inverse;
-                weights[r] = (0..n).map(|i| (0..n).map(|j| inverse[(i, j)] * k[j]).sum()).collect();
+                let k = &of_response[r];
+                weights[r] = four[r].weights(k);
                 let known: f64 = k.iter().zip(&weights[r]).map(|(k, w)| k * w).sum();
                 let all = (own_q + a * own_s - known).max(0.0);
                 let square: f64 = weights[r].iter().map(|w| w * w).sum();

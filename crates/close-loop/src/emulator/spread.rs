@@ -61,8 +61,9 @@ impl Emulator {
         let means: Vec<[f64; 4]> = local.at.iter().map(|a| a.0).collect();
         let mean = self.between(points, &means);
         // What moves all speeds together: knowns, and fillings, of which the measured drum with a load is one.
-        let value = |w: &[f64], mode: &[[f64; 4]], r: usize| -> f64 {
-            w.iter().zip(mode).map(|(w, m)| w * m[r]).sum()
+        let there = |mode: &Vec<[f64; 4]>| -> Vec<[f64; 4]> {
+            let value = |w: &Vec<f64>, r: usize| w.iter().zip(mode).map(|(w, m)| w * m[r]).sum();
+            spline.iter().map(|w| std::array::from_fn(|r| value(w, r))).collect()
         };
         let load = |k: usize| &self.loads[self.knots[k].load];
         let of_means = |own: &OfLoad| own.process.scatter.shift.map(|s| s / own.fillings.sqrt());
@@ -71,7 +72,9 @@ impl Emulator {
         let of_volume = |(k, g): (usize, &[f64; 4])| g.map(|g| load(k).volume_sd * g);
         let volume: Vec<[f64; 4]> = local.of_volume.iter().enumerate().map(of_volume).collect();
         let unsure = Some(&local.unsure).filter(|u| !u.is_empty());
-        let modes: Vec<&Vec<[f64; 4]>> = self.modes.iter().chain(unsure).collect();
+        let modes: Vec<Vec<[f64; 4]>> = self.modes.iter().chain(unsure).map(there).collect();
+        let of_fillings = [&local.shared, &shift].map(there);
+        let volume = there(&volume);
         // What the surface does not know, at each speed in independent parts.
         let parts = |w: &Vec<f64>| -> Vec<[f64; 4]> {
             let mut parts = vec![[0.0; 4]; self.knots.len()];
@@ -103,16 +106,15 @@ impl Emulator {
                             unknown[a].iter().zip(&unknown[b]).map(|(p, q)| p[r] * q[s]).sum();
                         *c += BESIDE[r][s] * both;
                     }
-                    for own in [&local.shared, &shift] {
+                    for own in &of_fillings {
                         let Some(scatter) = same else { break };
                         for (s, c) in row.iter_mut().enumerate() {
-                            let both = value(&spline[a], own, r) * value(&spline[b], own, s);
-                            *c += scatter.together[r][s] * both;
+                            *c += scatter.together[r][s] * (own[a][r] * own[b][s]);
                         }
                     }
-                    for mode in modes.iter().copied().chain(same.map(|_| &volume)) {
+                    for mode in modes.iter().chain(same.map(|_| &volume)) {
                         for (s, c) in row.iter_mut().enumerate() {
-                            *c += value(&spline[a], mode, r) * value(&spline[b], mode, s);
+                            *c += mode[a][r] * mode[b][s];
                         }
                     }
                 }
