@@ -38,6 +38,8 @@ pub enum Stage {
     Refine,
     /// Fresh runs.
     Confirm,
+    /// What would tell the members of a class apart.
+    Next,
 }
 
 /// What is told after every run.
@@ -173,6 +175,11 @@ impl<'a> State<'a> {
         has
     }
 
+    /// Whether there is time for so many more runs.
+    pub(crate) fn affords(&self, runs: usize) -> bool {
+        self.time_left(0).is_none_or(|left| left >= self.runs.clock.time_of(false, runs))
+    }
+
     /// Runs that can be spent on refining if so many models are to be confirmed after it.
     fn spare(&mut self, models: usize) -> usize {
         let by_number = self.most.saturating_sub(self.runs.everyday + models * self.effort.confirm);
@@ -230,13 +237,24 @@ impl CloseLoop<'_> {
     /// # Errors
     /// [`CloseLoopError`]; single runs that fail are in [`Outcome::failed`].
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
-        let (mut state, mut finding) = self.stages(watch)?;
+        let (mut state, finding) = self.stages(watch)?;
+        let outcome = self.answer(&mut state, finding, watch)?;
+        self.next(&mut state, outcome, watch)
+    }
+
+    /// From what the models say to an answer that fresh runs bear out, or to none.
+    fn answer(
+        &self,
+        state: &mut State<'_>,
+        mut finding: Finding,
+        watch: &mut dyn FnMut(&Told),
+    ) -> Result<Outcome, CloseLoopError> {
         // Fresh runs are of a rig whose cost a stand-in had to save.
         let costly = state.setup.cast.fresh.is_some();
         if finding.verdict != Verdict::None && costly {
-            finding = self.ask_the_whole_rig(&mut state, &finding, watch)?;
+            finding = self.ask_the_whole_rig(state, &finding, watch)?;
             if finding.verdict != Verdict::None {
-                finding = self.hear_rivals(&mut state, &finding, watch)?;
+                finding = self.hear_rivals(state, &finding, watch)?;
             }
         }
         let retries = if costly { FEW_RETRIES } else { RETRIES };
@@ -245,7 +263,7 @@ impl CloseLoop<'_> {
         // The answer that fresh runs had not refuted before.
         let mut stood: Option<Outcome> = None;
         loop {
-            let (outcome, learned) = confirm::outcome(self, &mut state, finding, round, watch)?;
+            let (outcome, learned) = confirm::outcome(self, state, finding, round, watch)?;
             // Fresh runs that refute an answer are the best that its model can learn from; those of a class tell its
             // members apart, where they cost no more than others.
             let refuted = outcome.confirmed == Some(false);
@@ -298,7 +316,7 @@ impl CloseLoop<'_> {
             state.learn_base()?;
             state.refuted += usize::from(refuted);
             round += 1;
-            finding = self.sharpen(&mut state, (2, 2), &self.settings.attribution, watch)?;
+            finding = self.sharpen(state, (2, 2), &self.settings.attribution, watch)?;
         }
     }
 

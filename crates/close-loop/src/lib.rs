@@ -23,6 +23,7 @@ mod emulator;
 mod error;
 mod ignorance;
 mod models;
+mod next;
 mod outcome;
 mod outlook;
 mod pairs;
@@ -46,6 +47,7 @@ pub use curve::{Change, Curve};
 pub use driver::{CloseLoop, Pilot, Stage, Told};
 pub use emulator::{Axis, Emulator, Sample};
 pub use error::CloseLoopError;
+pub use next::HALF_AS_MUCH;
 pub use outcome::{
     Errors, LoadOf, Outcome, Point, ResponseErrors, Side, SpeedResponse, StrengthOf,
 };

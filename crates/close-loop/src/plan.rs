@@ -46,6 +46,9 @@ pub struct LoopSettings {
     pub seed: u64,
     /// By how much codes differ that simulate the same.
     pub codes: Codes,
+    /// Whether members of a class are simulated with half as much in the drum as well, to see whether that would tell them
+    /// apart: some eighteen runs beside [`LoopSettings::runs`], of a drum half as full, if there is time.
+    pub next: bool,
     /// Levels and sizes of the statistics.
     pub attribution: AttributionSettings,
 }
@@ -71,6 +74,7 @@ impl Default for LoopSettings {
             fidelity: Fidelity::Case,
             seed: 1,
             codes: Codes::default(),
+            next: true,
             attribution,
         }
     }

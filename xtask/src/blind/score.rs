@@ -93,7 +93,8 @@ pub(crate) fn run(
         let measured = table(&case.data.responses)?;
         let others = case.data.loads.iter().map(|load| table(&load.responses));
         let loads = others.collect::<anyhow::Result<Vec<_>>>()?;
-        let mut settings = LoopSettings { runs: Some(runs), ..LoopSettings::default() };
+        let mut settings =
+            LoopSettings { runs: Some(runs), next: false, ..LoopSettings::default() };
         settings.attribution.stability_bootstrap = 0;
         let looped = CloseLoop {
             case: &case,

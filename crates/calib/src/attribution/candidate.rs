@@ -135,8 +135,8 @@ pub struct Experiment<'s> {
     pub name: String,
     /// Where it would be measured.
     pub points: Vec<OperatingPoint>,
-    /// Standard deviation of a mean of each response there, deg and percent of R.
-    pub sd: [f64; 4],
+    /// Standard deviation of a mean of each response there, deg and percent of R; `None` for what is not measured.
+    pub sd: [Option<f64>; 4],
     /// What stays uncertain in it, independently of the present measurement.
     pub nuisances: Vec<Nuisance>,
     /// Name of a candidate and its simulation of this experiment, with the candidate's

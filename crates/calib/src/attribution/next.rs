@@ -79,11 +79,14 @@ fn component(
     let theta = &judged.fit.theta;
     let predicted = model.predict(theta, &points)?;
     let mut items = Vec::new();
+    let mut place = Vec::new();
     for (k, OperatingPoint { load, omega_rpm }) in points.iter().copied().enumerate() {
         for response in Response::ALL {
-            let mean = predicted.mean[4 * k + response.index()];
-            let sd = experiment.sd[response.index()];
+            let Some(sd) = experiment.sd[response.index()] else { continue };
+            let own = 4 * k + response.index();
+            let mean = predicted.mean[own];
             items.push(Observation { load, omega_rpm, response, mean, sd });
+            place.push(own);
         }
     }
     let observations = Observations::new(items, 1.0, FrameCorrelation::default())?;
@@ -96,14 +99,15 @@ fn component(
         let mut moved = unit.clone();
         moved[k] += step;
         let there = model.expected(&model.theta(&moved), &points)?;
-        slopes.push(there.iter().zip(&predicted.mean).map(|(a, b)| (a - b) / step).collect());
+        slopes.push(place.iter().map(|p| (there[*p] - predicted.mean[*p]) / step).collect());
     }
     let open = |i: usize, j: usize| {
         let row = |a: usize| (0..spread.len()).map(|b| spread[a][b] * slopes[b][j]).sum::<f64>();
         (0..spread.len()).map(|a| slopes[a][i] * row(a)).sum()
     };
     let weight = data.weight(&predicted, Some(&open))?;
-    Ok(Component { share, mean: predicted.mean, weight })
+    let mean = place.iter().map(|p| predicted.mean[*p]).collect();
+    Ok(Component { share, mean, weight })
 }
 
 /// Mutual information and entropy of the shares, bits.

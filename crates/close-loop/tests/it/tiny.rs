@@ -207,6 +207,44 @@ fn two_loads_of_a_drum_are_explained_together() {
 }
 
 #[test]
+fn what_would_tell_a_class_apart_is_weighed() {
+    let folder = tempfile::tempdir().unwrap();
+    // Whole lines alone, 2.5 deg steeper than the drum's: a turned camera does that, and so does somebody who reads them so.
+    let table = fewer_beads(&folder.path().join("nature"), 420.0, 1.0);
+    let row = |row: &str| row.split(',').map(|c| c.parse().unwrap()).collect();
+    let rows: Vec<Vec<f64>> = table.lines().skip(1).map(row).collect();
+    let mut lines = vec!["omega_rpm,aor_lin_deg,aor_lin_sd,n_eff".to_owned()];
+    // Half-way between the two speeds the line is half-way.
+    for part in [0.0, 0.5, 1.0] {
+        let cell = |k: usize| rows[0][k] + part * (rows[1][k] - rows[0][k]);
+        lines.push(format!("{},{},{},20", cell(0), cell(1) + 2.5, cell(2)));
+    }
+    let case = CASE.replace("[0.2, 0.8]", "[0.39, 0.41]").replace(
+        "\"fill.scale\", \"camera.roll_deg\", \"measure\"",
+        "\"camera.roll_deg\", \"measure.bias_lin_deg\"",
+    );
+    let fits = folder.path().join("fits");
+    let found =
+        close_case(&fits, (&case, &[&lines.join("\n")]), 2, LoopSettings::default()).unwrap();
+    let mut members = found.members.clone();
+    members.sort();
+    assert_eq!(members, ["camera.roll_deg", "measure.bias_lin_deg"], "{}", found.sentence);
+    // Turned the other way the camera lowers the line by as much as it raised it, the reader raises it as before. Neither more
+    // photographs nor another load tell them apart.
+    let next = &found.finding.next;
+    assert_eq!(next.len(), 3, "{next:?}");
+    assert!(next[0].name.contains("the other way"), "{next:?}");
+    assert!(next[0].gain_bits > 0.9 * next[0].most_bits, "{next:?}");
+    assert!(next[1..].iter().all(|n| n.gain_bits < 0.3 * n.most_bits), "{next:?}");
+    assert!(next.iter().any(|n| n.name.contains("fill.count = 210")), "{next:?}");
+    // Half as much is not simulated where nobody asks for it.
+    let few = LoopSettings { next: false, ..LoopSettings::default() };
+    let few = close_case(&fits, (&case, &[&lines.join("\n")]), 2, few).unwrap();
+    assert_eq!(few.finding.next.len(), 2);
+    assert!(few.runs < found.runs && few.sentence == found.sentence);
+}
+
+#[test]
 fn a_coarse_stand_in_is_held_against_the_drum_and_the_answer_is_the_drums() {
     let folder = tempfile::tempdir().unwrap();
     let coarse = close_by(folder.path(), IMPOSSIBLE, 2, Fidelity::Coarse).unwrap();

@@ -215,6 +215,7 @@ fn stage(stage: Stage) -> &'static str {
         Stage::Filming => "filming by other cameras",
         Stage::Refine => "about the promising effects",
         Stage::Confirm => "fresh runs",
+        Stage::Next => "what would tell a class apart",
     }
 }
 
@@ -272,6 +273,11 @@ fn print(outcome: &Outcome, printed: &Printed<'_>) {
     }
     if let Some(removed) = outcome.removed.filter(|_| outcome.confirmed != Some(false)) {
         println!("{:.0} % of the error above the noise goes away", 100.0 * removed);
+    }
+    // The first is the most telling.
+    if let Some(next) = outcome.finding.next.first() {
+        let part = 100.0 * next.gain_bits / next.most_bits;
+        println!("next: {} ({part:.0} % of what is open between them)", next.name);
     }
     println!("{} runs, {:.0} s; report: {}", printed.runs, printed.wall_s, printed.report);
 }

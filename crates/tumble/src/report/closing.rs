@@ -5,7 +5,7 @@ use calib_report::page::{
     Block, Column, Figure, InputFile, Page, Provenance, Row, Section, Table, Tone, Verdict,
 };
 use calib_report::pictures::{ChartAxis, ChartPoint, ChartSeries, LineChart, SeriesStyle};
-use close_loop::{Errors, LoadOf, Outcome, Point, Side};
+use close_loop::{Errors, HALF_AS_MUCH, LoadOf, Outcome, Point, Side};
 use rig_schema::{Case, Response};
 
 use crate::cli::CloseLoopArgs;
@@ -339,7 +339,8 @@ fn apart(o: &Outcome) -> Section {
     let each = o.finding.ranked.iter().filter(|r| o.members.contains(&r.name));
     let mut all: Vec<String> =
         each.map(|r| format!("{} ({}): {}.", r.name, r.meaning, r.exposed_by)).collect();
-    if o.loads.len() == 1 && matches!(o.verdict, "class" | "unknown") {
+    let half_asked = o.finding.next.iter().any(|n| n.name.starts_with(HALF_AS_MUCH));
+    if o.loads.len() == 1 && !half_asked && matches!(o.verdict, "class" | "unknown") {
         all.push(
             "Most effects: the same photographs of a second load as well, half as much in the drum, say ([[data.loads]] in the case)."
                 .to_owned(),
@@ -347,6 +348,28 @@ fn apart(o: &Outcome) -> Section {
     }
     if !all.is_empty() {
         section.blocks.push(Block::List(all));
+    }
+    let rows: Vec<Row> = o
+        .finding
+        .next
+        .iter()
+        .map(|n| {
+            let part = format!("{:.0} %", 100.0 * n.gain_bits / n.most_bits);
+            Row::new(vec![n.name.clone(), n.between.join(", "), short(n.gain_bits), part])
+        })
+        .collect();
+    if !rows.is_empty() {
+        section.blocks.push(Block::Table(Table {
+            caption: "Information that an experiment is expected to give on which of them it is, with what the frictions leave open; of all that there is to know"
+                .to_owned(),
+            columns: vec![
+                Column::text("experiment"),
+                Column::text("between"),
+                Column::number("gain", "bits"),
+                Column::number("of all", ""),
+            ],
+            rows,
+        }));
     }
     section
 }

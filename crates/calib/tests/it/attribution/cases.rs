@@ -166,7 +166,7 @@ fn the_experiment_that_treats_the_class_differently_is_the_next() {
     let experiment = |name: &str| Experiment {
         name: name.to_owned(),
         points: [5.0, 15.0, 25.0].map(OperatingPoint::from).to_vec(),
-        sd: [0.3; 4],
+        sd: [Some(0.3); 4],
         nuisances: Vec::new(),
         simulators: EFFECTS
             .iter()
@@ -176,7 +176,13 @@ fn the_experiment_that_treats_the_class_differently_is_the_next() {
     };
     let mut other = experiment("packed");
     other.simulators[6].1 = &packed;
-    a.experiments = vec![experiment("again"), other];
+    // Less is learnt where less is measured.
+    let lines = Experiment {
+        name: "lines".to_owned(),
+        sd: [Some(0.3), Some(0.3), None, None],
+        ..other.clone()
+    };
+    a.experiments = vec![lines, experiment("again"), other];
     let f = found(&a);
     assert!(matches!(&f.verdict, Verdict::Class(n) if n.len() == 2), "{:?}", f.verdict);
     for n in &f.next {
@@ -184,7 +190,8 @@ fn the_experiment_that_treats_the_class_differently_is_the_next() {
     }
     assert_eq!(f.next[0].name, "packed");
     assert!(f.next[0].gain_bits > 0.8 * f.next[0].most_bits);
-    assert!(f.next[1].gain_bits < 0.1);
+    assert_eq!([&f.next[1].name, &f.next[2].name], ["lines", "again"]);
+    assert!(f.next[1].gain_bits < f.next[0].gain_bits && f.next[2].gain_bits < 0.1);
 }
 
 #[test]
