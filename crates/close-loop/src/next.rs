@@ -137,7 +137,6 @@ impl CloseLoop<'_> {
                 simulators.collect(),
             ));
         }
-        question.code_covariance = state.codes().cloned();
         outcome.finding.next = question.attribute()?.next;
         (outcome.runs, outcome.cost_s) = (state.runs.made, state.runs.cost_s);
         Ok(outcome)
