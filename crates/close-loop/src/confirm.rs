@@ -8,6 +8,7 @@ use faer::{Mat, Side as Triangle};
 use rig_schema::Response;
 
 use crate::catalogue::Effect;
+use crate::closest::Closest;
 use crate::codes::Codes;
 use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
@@ -161,6 +162,7 @@ pub(crate) fn outcome(
         members: names,
         sentence,
         strengths,
+        closest: Closest::of(&finding, &state.setup.catalogue.effects),
         calibrated: compare::calibrated(&finding),
         before: before.side.clone(),
         after: with.side.clone(),
@@ -390,7 +392,7 @@ fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair:
 }
 
 /// A value with three figures that count.
-fn figures(value: f64) -> String {
+pub(crate) fn figures(value: f64) -> String {
     let size = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     format!("{value:.*}", (2.0 - size).clamp(0.0, 9.0) as usize)
 }

@@ -29,6 +29,18 @@ pub enum CloseLoopError {
         /// Value.
         value: f64,
     },
+    /// A range that an effect cannot have.
+    #[error("`{path}` cannot be looked for from {low} to {high}: {why}")]
+    Range {
+        /// Path.
+        path: String,
+        /// Lowest strength.
+        low: f64,
+        /// Highest strength.
+        high: f64,
+        /// What is wrong with it.
+        why: String,
+    },
     /// A free parameter that does not act.
     #[error("`{path}` is free but does not change the motion: expected a parameter of physics")]
     NotPhysics {

@@ -13,6 +13,7 @@ mod anchors;
 mod calibrate;
 mod catalogue;
 mod clock;
+mod closest;
 mod coded;
 mod codes;
 mod compare;
@@ -42,6 +43,7 @@ mod volume;
 mod whole_rig;
 
 pub use catalogue::{Catalogue, Effect, Needs};
+pub use closest::{Closest, Nearest};
 pub use codes::Codes;
 pub use curve::{Change, Curve};
 pub use driver::{CloseLoop, Pilot, Stage, Told};

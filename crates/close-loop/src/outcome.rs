@@ -3,6 +3,7 @@
 use calib::attribution::Finding;
 use serde::Serialize;
 
+use crate::closest::Closest;
 use crate::plan::Effort;
 
 /// A response at a speed: measured, and both models by fresh runs.
@@ -132,6 +133,8 @@ pub struct Outcome {
     pub sentence: String,
     /// Strength of each member.
     pub strengths: Vec<StrengthOf>,
+    /// What comes closest where something is missing that nothing explains.
+    pub closest: Option<Closest>,
     /// Free parameters of the calibrated base model: path, value, standard deviation.
     pub calibrated: Vec<(String, f64, Option<f64>)>,
     /// Statistics behind the verdict.

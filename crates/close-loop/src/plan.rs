@@ -289,10 +289,7 @@ impl Setup {
             .map(|f| f.path.clone())
             .chain(case.nuisance.iter().map(|n| n.path.clone()))
             .collect();
-        let mut catalogue = Catalogue::of(&rig, &taken).without(&case.catalogue.without);
-        if !case.catalogue.only.is_empty() {
-            catalogue = catalogue.only(&case.catalogue.only);
-        }
+        let catalogue = Catalogue::of(&rig, &taken).chosen(&case.catalogue)?;
         let rows = || this.tables().flat_map(|t| &t.table.rows);
         let mut cells = rows().flat_map(|r| r.cells.iter().flatten());
         let scatter_tells =

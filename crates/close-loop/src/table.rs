@@ -12,6 +12,7 @@ use calib::{
 use rig_schema::{Case, Response};
 
 use crate::catalogue::{Catalogue, Effect};
+use crate::closest::Closest;
 use crate::compare::{self, Values};
 use crate::error::CloseLoopError;
 use crate::outcome::{Errors, Outcome, Side};
@@ -93,7 +94,7 @@ fn can_be_read(path: &str) -> bool {
 /// Close the loop of a case whose simulator is a table.
 ///
 /// # Errors
-/// [`CloseLoopError::Calib`] if the problem is not well posed.
+/// [`CloseLoopError::Calib`] if the problem is not well posed; [`CloseLoopError::Range`] for a range that an effect cannot have.
 pub fn close_with_table(
     case: &Case,
     study: &Study,
@@ -105,7 +106,7 @@ pub fn close_with_table(
         .map(|f| f.name.clone())
         .chain(study.nuisances.iter().map(|n| n.name.clone()))
         .collect();
-    let all = Catalogue::of(&case.rig, &taken).without(&case.catalogue.without);
+    let all = Catalogue::of(&case.rig, &taken).chosen(&case.catalogue)?;
     let (effects, mut left_out) = (all.effects, all.left_out);
     let (reading, other): (Vec<Effect>, Vec<Effect>) =
         effects.into_iter().partition(|e| can_be_read(&e.path));
@@ -187,6 +188,7 @@ pub fn close_with_table(
         members,
         sentence,
         strengths,
+        closest: Closest::of(&finding, &reading),
         calibrated: compare::calibrated(&finding),
         removed: after
             .as_ref()

@@ -130,13 +130,22 @@ pub struct Case {
 }
 
 /// Which effects of the catalogue are tried; a name is a path or a group of paths.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct CatalogueChoice {
     /// Only these, where any are named.
     pub only: Vec<String>,
     /// All but these.
     pub without: Vec<String>,
+    /// Lowest and highest strength at which an effect is looked for, by its path, where the catalogue's own will not do.
+    pub ranges: BTreeMap<String, (f64, f64)>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct CatalogueSpec {
+    only: Vec<String>,
+    without: Vec<String>,
+    range: BTreeMap<String, BTreeMap<String, (f64, f64)>>,
 }
 
 #[derive(Deserialize)]
@@ -250,10 +259,17 @@ fn check_simulator(
 }
 
 fn take_catalogue(doc: &mut Document<'_>) -> Result<CatalogueChoice, SchemaError> {
-    let Some(choice) = doc.take::<toml::Spanned<CatalogueChoice>>("catalogue")? else {
+    let Some(choice) = doc.take::<toml::Spanned<CatalogueSpec>>("catalogue")? else {
         return Ok(CatalogueChoice::default());
     };
+    let mut ranges = BTreeMap::new();
+    for (group, own) in &choice.get_ref().range {
+        for (name, (low, high)) in own {
+            ranges.insert(format!("{group}.{name}"), (*low, *high));
+        }
+    }
     let named = choice.get_ref().only.iter().chain(&choice.get_ref().without);
+    let named = named.chain(ranges.keys());
     let known = |name: &String| {
         namespace::find(name).is_some() || namespace::groups().contains(&name.as_str())
     };
@@ -267,7 +283,18 @@ fn take_catalogue(doc: &mut Document<'_>) -> Result<CatalogueChoice, SchemaError
             ),
         ));
     }
-    Ok(choice.into_inner())
+    for (path, (low, high)) in &ranges {
+        let accepted = namespace::find(path).is_some_and(|p| p.accepts(*low) && p.accepts(*high));
+        if !(low < high && accepted) {
+            return Err(doc.error(
+                choice.span(),
+                format!("the effect `{path}` cannot be looked for from {low} to {high}"),
+                "range.group.name = [low, high], both within the parameter's own range",
+            ));
+        }
+    }
+    let CatalogueSpec { only, without, .. } = choice.into_inner();
+    Ok(CatalogueChoice { only, without, ranges })
 }
 
 fn take_free(doc: &mut Document<'_>) -> Result<Vec<Free>, SchemaError> {

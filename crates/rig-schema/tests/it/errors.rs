@@ -121,3 +121,18 @@ fn a_simulated_table_says_how_many_frames_it_is_made_of() {
     let shown = message(rig_schema::SimulatedTable::parse("runs.csv", &none, &["friction.pp"]));
     assert!(shown.contains("runs.csv:2") && shown.contains("n_eff"), "{shown}");
 }
+
+#[test]
+fn a_case_says_how_far_an_effect_is_looked_for() {
+    let case = format!(
+        "data.responses = \"m.csv\"\nfree.friction.pp = {{ range = [0.1, 0.9] }}\nsimulator.rig = {{}}\ncatalogue.range.fill.scale = [0.5, 1.6]\n{RIG}"
+    );
+    let read = Case::parse("case.toml", &case).expect("is well formed");
+    assert_eq!(read.catalogue.ranges["fill.scale"], (0.5, 1.6));
+    let shown = message(Case::parse("case.toml", &case.replace("fill.scale", "fill.scael")));
+    assert!(shown.contains("unknown effect `fill.scael`") && shown.contains(":4"), "{shown}");
+    for wrong in ["[1.6, 0.5]", "[-1.0, 1.6]", "[0.5, nan]"] {
+        let shown = message(Case::parse("case.toml", &case.replace("[0.5, 1.6]", wrong)));
+        assert!(shown.contains("`fill.scale` cannot be looked for"), "{wrong}: {shown}");
+    }
+}

@@ -241,6 +241,9 @@ fn printed(outcome: &Outcome, wall_s: f64, report: String) -> Printed<'_> {
 
 fn print(outcome: &Outcome, printed: &Printed<'_>) {
     println!("{}", outcome.sentence);
+    if let Some(closest) = &outcome.closest {
+        println!("  closest: {}", closest.words());
+    }
     for (path, value, sd) in &outcome.calibrated {
         let sd = sd.map_or_else(String::new, |s| format!(" ± {s:.3}"));
         println!("  calibrated {path} = {value:.3}{sd}");

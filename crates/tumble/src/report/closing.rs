@@ -286,6 +286,15 @@ fn candidates(o: &Outcome) -> Section {
         })
         .collect();
     let mut section = Section::new("Effects of the catalogue").with(Block::Paragraph(text));
+    if let Some(closest) = &o.closest {
+        let further = if closest.ends() {
+            " What stands as far as it is looked for may be stronger ([catalogue.range] in the case)."
+        } else {
+            ""
+        };
+        let text = format!("Closest comes {}.{further}", closest.words());
+        section.blocks.push(Block::Paragraph(text));
+    }
     section.blocks.push(Block::Table(Table {
         caption: "Each effect fitted together with the free parameters. Gain: of chi-square, with its probability by chance in the whole catalogue. Frames: by their scatter they speak for an effect below 0, against it above."
             .to_owned(),
