@@ -53,13 +53,54 @@ pub(super) struct Profile {
     pub(super) log_likelihood: f64,
 }
 
+/// Profile of the strength of a single effect.
 pub(super) fn profile(
     model: &Model<'_>,
     data: &Data,
     fit: &Settled,
     dof: usize,
 ) -> Result<Profile, CalibError> {
-    let axis = model.frictions();
+    let Walk { strength, values, chi2, volume } = walk(model, data, fit, dof, model.frictions())?;
+    let lowest = chi2.iter().copied().fold(f64::INFINITY, f64::min);
+    let height: Vec<f64> =
+        chi2.iter().zip(&volume).map(|(c, v)| (-0.5 * (c - lowest) + v).exp()).collect();
+    let area: f64 = values
+        .windows(2)
+        .zip(height.windows(2))
+        .map(|(v, h)| 0.5 * (h[0] + h[1]) * (v[1] - v[0]))
+        .sum();
+    let log_likelihood = -0.5 * (lowest + fit.weight.log_det) + area.ln();
+    Ok(Profile { strength, log_likelihood })
+}
+
+/// Interval of the strength that is this parameter of a model, all others fitted anew at each of its values.
+pub(super) fn interval(
+    model: &Model<'_>,
+    data: &Data,
+    fit: &Settled,
+    (dof, axis): (usize, usize),
+) -> Result<Strength, CalibError> {
+    Ok(walk(model, data, fit, dof, axis)?.strength)
+}
+
+/// A parameter through its range, others fitted anew.
+struct Walk {
+    strength: Strength,
+    /// Parts of the range.
+    values: Vec<f64>,
+    /// Chi-square at the covariance of the best.
+    chi2: Vec<f64>,
+    /// Logarithm of the volume that the parameters before it are free in.
+    volume: Vec<f64>,
+}
+
+fn walk(
+    model: &Model<'_>,
+    data: &Data,
+    fit: &Settled,
+    dof: usize,
+    axis: usize,
+) -> Result<Walk, CalibError> {
     let best = fit.point.unit[axis];
     let spread = covariance(&fit.point.columns, TAU).map_or(0.1, |c| c[axis][axis].sqrt());
     let mut values: Vec<f64> = (0..=16).map(|i| f64::from(i) / 16.0).collect();
@@ -96,21 +137,11 @@ pub(super) fn profile(
             }
         }
     }
-    let lowest = chi2.iter().copied().fold(f64::INFINITY, f64::min);
-    let height: Vec<f64> =
-        chi2.iter().zip(&volume).map(|(c, v)| (-0.5 * (c - lowest) + v).exp()).collect();
-    let area: f64 = values
-        .windows(2)
-        .zip(height.windows(2))
-        .map(|(v, h)| 0.5 * (h[0] + h[1]) * (v[1] - v[0]))
-        .sum();
     let (lo, hi) = crossings(&values, &own, (best, fit.chi2), level);
     let (low, high) = model.ranges[axis];
     let scale = |u: f64| low + u * (high - low);
-    Ok(Profile {
-        strength: Strength { value: fit.theta[axis], lo: lo.map(scale), hi: hi.map(scale) },
-        log_likelihood: -0.5 * (lowest + fit.weight.log_det) + area.ln(),
-    })
+    let strength = Strength { value: fit.theta[axis], lo: lo.map(scale), hi: hi.map(scale) };
+    Ok(Walk { strength, values, chi2, volume })
 }
 
 /// Chi-square where a search with a strength held ended, fitted anew at the covariance of its own result, so that a

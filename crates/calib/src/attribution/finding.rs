@@ -175,7 +175,8 @@ pub struct PairFit {
     pub names: [String; 2],
     /// The fit.
     pub fit: Fit,
-    /// Strengths of both with 95 % intervals from the curvature.
+    /// Strengths of both with 95 % intervals: by profile, all else fitted anew, where the pair passes all conditions, from the
+    /// curvature at the best fit where it does not.
     pub strengths: [Strength; 2],
     /// As [`Ranked::held_out_gain`], over the base.
     pub held_out_gain: Option<f64>,

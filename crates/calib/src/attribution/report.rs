@@ -1,6 +1,6 @@
 //! From the judgement to plain numbers.
 
-use super::evidence::{Profile, laplace, log_mean, profile, unknown};
+use super::evidence::{Profile, interval, laplace, log_mean, profile, unknown};
 use super::gate::{Case, Screen};
 use super::model::Model;
 use super::next;
@@ -166,17 +166,21 @@ fn pair_fit(
 ) -> Result<PairFit, CalibError> {
     let d = judged.model.frictions();
     let name = |k: usize| case.attribution.candidates[judged.of[k]].name.clone();
-    let fit = report_fit(case, &judged.model, &judged.fit)?;
+    let model = &judged.model;
+    let fit = report_fit(case, model, &judged.fit)?;
     let strength = |k: usize| {
-        let (value, (low, high)) = (fit.theta[d + k], judged.model.ranges[d + k]);
+        if eligible {
+            return interval(model, &case.data, &judged.fit, (judged.dof(case), d + k));
+        }
+        let (value, (low, high)) = (fit.theta[d + k], model.ranges[d + k]);
         let half = fit.sd[d + k].map(|sd| upper_quantile(0.95).sqrt() * sd);
         let lo = half.map(|h| value - h).filter(|v| *v > low);
         let hi = half.map(|h| value + h).filter(|v| *v < high);
-        Strength { value, lo, hi }
+        Ok(Strength { value, lo, hi })
     };
     Ok(PairFit {
         names: [name(0), name(1)],
-        strengths: [strength(0), strength(1)],
+        strengths: [strength(0)?, strength(1)?],
         fit,
         held_out_gain: judged.gain,
         at_ends: judged.at_ends,
