@@ -288,7 +288,7 @@ fn candidates(o: &Outcome) -> Section {
     let mut section = Section::new("Effects of the catalogue").with(Block::Paragraph(text));
     if let Some(closest) = &o.closest {
         let further = if closest.ends() {
-            " What stands as far as it is looked for may be stronger ([catalogue.range] in the case)."
+            " What stands as far as it is looked for may be stronger: [catalogue.range] in the case gives it more room, unless its drum cannot be simulated there (effects that were not tried)."
         } else {
             ""
         };
