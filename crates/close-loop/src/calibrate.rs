@@ -114,8 +114,7 @@ impl State<'_> {
     /// The middle of the free parameters' ranges, from which coordinates count.
     pub(crate) fn middle(&self) -> Vec<f64> {
         let each = self.setup.axes.iter().zip(&self.setup.free);
-        each.map(|(a, f)| a.scale.back(0.5 * (a.scale.forth(f.range.0) + a.scale.forth(f.range.1))))
-            .collect()
+        each.map(|(a, f)| a.scale.half_way(f.range.0, f.range.1)).collect()
     }
 
     /// The base model.

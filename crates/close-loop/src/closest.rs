@@ -35,7 +35,7 @@ pub struct Closest {
 }
 
 impl Closest {
-    /// Of what was fitted, singly or in pairs, the best deviance; none unless nothing is named that is missing.
+    /// Of what was fitted, singly or in pairs, the best deviance; none where nothing is missing, or something is named.
     pub(crate) fn of(finding: &Finding, effects: &[Effect]) -> Option<Self> {
         if finding.verdict != Verdict::Unknown {
             return None;

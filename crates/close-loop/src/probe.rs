@@ -2,12 +2,11 @@
 
 use calib::attribution::Layer;
 
-use crate::catalogue::{Effect, Needs};
+use crate::catalogue::Effect;
 use crate::curve::Change;
 use crate::driver::{Stage, State, Told, is_simulated};
 use crate::error::CloseLoopError;
 use crate::runs::{Made, rig_with, sample};
-use crate::scale::Scale;
 
 impl State<'_> {
     /// Simulate every effect at the calibrated point, and film it by every other camera.
@@ -96,18 +95,11 @@ impl State<'_> {
         let p = rig_schema::namespace::find(path)?;
         let inside = |x: f64| x.clamp(p.range.0, p.range.1);
         Some(Effect {
-            path: path.clone(),
-            layer: Layer::Physics,
             null: *mean,
             probes: [inside(mean - 2.0 * sd), inside(mean + 2.0 * sd)],
             range: p.range,
-            scale: Scale::Linear,
-            along: Vec::new(),
-            needs: Needs::Nothing,
-            roughness: 1.0,
-            prior: 1.0,
-            exposed_by: String::new(),
             meaning: p.meaning.to_owned(),
+            ..Effect::bare(path)
         })
     }
 

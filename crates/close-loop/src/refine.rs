@@ -226,8 +226,7 @@ fn end(effect: &Effect, known: &[f64], failed: f64, sure: bool) -> Option<f64> {
     }
     let last =
         same().filter(|s| weaker(*s)).fold(null, |a, b| if up { a.max(b) } else { a.min(b) });
-    let half = 0.5 * (effect.scale.forth(last) + effect.scale.forth(failed));
-    Some(effect.scale.back(half))
+    Some(effect.scale.half_way(last, failed))
 }
 
 #[cfg(test)]

@@ -62,6 +62,11 @@ impl Scale {
         }
     }
 
+    /// Value half-way between two, by the coordinate.
+    pub fn half_way(self, a: f64, b: f64) -> f64 {
+        self.back(0.5 * (self.forth(a) + self.forth(b)))
+    }
+
     /// Change of the coordinate over which a response bends noticeably.
     pub fn unit(self, range: (f64, f64)) -> f64 {
         let whole = self.forth(range.1) - self.forth(range.0);

@@ -58,9 +58,8 @@ pub(super) fn profile(
     model: &Model<'_>,
     data: &Data,
     fit: &Settled,
-    dof: usize,
 ) -> Result<Profile, CalibError> {
-    let Walk { strength, values, chi2, volume } = walk(model, data, fit, dof, model.frictions())?;
+    let Walk { strength, values, chi2, volume } = walk(model, data, fit, model.frictions())?;
     let lowest = chi2.iter().copied().fold(f64::INFINITY, f64::min);
     let height: Vec<f64> =
         chi2.iter().zip(&volume).map(|(c, v)| (-0.5 * (c - lowest) + v).exp()).collect();
@@ -78,9 +77,9 @@ pub(super) fn interval(
     model: &Model<'_>,
     data: &Data,
     fit: &Settled,
-    (dof, axis): (usize, usize),
+    axis: usize,
 ) -> Result<Strength, CalibError> {
-    Ok(walk(model, data, fit, dof, axis)?.strength)
+    Ok(walk(model, data, fit, axis)?.strength)
 }
 
 /// A parameter through its range, others fitted anew.
@@ -94,13 +93,8 @@ struct Walk {
     volume: Vec<f64>,
 }
 
-fn walk(
-    model: &Model<'_>,
-    data: &Data,
-    fit: &Settled,
-    dof: usize,
-    axis: usize,
-) -> Result<Walk, CalibError> {
+fn walk(model: &Model<'_>, data: &Data, fit: &Settled, axis: usize) -> Result<Walk, CalibError> {
+    let dof = data.len() - model.len();
     let best = fit.point.unit[axis];
     let spread = covariance(&fit.point.columns, TAU).map_or(0.1, |c| c[axis][axis].sqrt());
     let mut values: Vec<f64> = (0..=16).map(|i| f64::from(i) / 16.0).collect();

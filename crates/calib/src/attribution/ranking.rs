@@ -138,10 +138,6 @@ impl Judged<'_> {
         all - (1.0 - IGNORANCE) * ignorance.max(0.0)
     }
 
-    pub(super) fn dof(&self, case: &Case<'_, '_>) -> usize {
-        case.data.len() - self.model.len()
-    }
-
     /// Whether it is an effect of reading or of the camera at an end of its range. That range is what
     /// photographs would show, so what stands there would go on beyond: it stands for something else.
     fn reads_wrong(&self, case: &Case<'_, '_>) -> bool {

@@ -28,7 +28,7 @@ pub(super) fn finding(attribution: &Attribution<'_>) -> Result<Finding, CalibErr
     let names: Vec<String> = attribution.candidates.iter().map(|c| c.name.clone()).collect();
     let mut profiles = Vec::new();
     for judged in &decision.singles {
-        profiles.push(profile(&judged.model, &case.data, &judged.fit, judged.dof(&case))?);
+        profiles.push(profile(&judged.model, &case.data, &judged.fit)?);
     }
     let mut strengths = vec![0.0; names.len()];
     for j in &decision.singles {
@@ -170,7 +170,7 @@ fn pair_fit(
     let fit = report_fit(case, model, &judged.fit)?;
     let strength = |k: usize| {
         if eligible {
-            return interval(model, &case.data, &judged.fit, (judged.dof(case), d + k));
+            return interval(model, &case.data, &judged.fit, d + k);
         }
         let (value, (low, high)) = (fit.theta[d + k], model.ranges[d + k]);
         let half = fit.sd[d + k].map(|sd| upper_quantile(0.95).sqrt() * sd);

@@ -57,8 +57,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// An effect about which nothing matters but its path, for tests.
-    #[cfg(test)]
+    /// An effect of physics that acts evenly by its path alone.
     pub(crate) fn bare(path: &str) -> Self {
         Self {
             path: path.to_owned(),

@@ -45,16 +45,14 @@ impl Effect {
             return Err("expected a range above 0, since it acts by factors".to_owned());
         }
         self.range = (low, high);
-        let there = |x: f64| self.scale.forth(x);
-        let off = |x: f64| (there(x) - there(null)).abs();
-        let half_way = |x: f64| self.scale.back(0.5 * (there(null) + there(x)));
+        let off = |x: f64| (self.scale.forth(x) - self.scale.forth(null)).abs();
         let [mut weaker, mut stronger] = self.probes.map(|p| p.clamp(low, high));
         // The rig's own value tells nothing of the effect, one strength twice little.
         if stronger == null {
             stronger = if off(high) >= off(low) { high } else { low };
         }
         if weaker == null || weaker == stronger {
-            weaker = half_way(stronger);
+            weaker = self.scale.half_way(null, stronger);
         }
         self.probes = [weaker, stronger];
         Ok(())
