@@ -219,9 +219,7 @@ pub(crate) fn effects_at(
     names: &[String],
     strengths: &[f64],
 ) -> Vec<(Effect, f64)> {
-    let find =
-        |name: &String| state.setup.catalogue.effects.iter().find(|e| e.path == *name).cloned();
-    names.iter().zip(strengths).filter_map(|(n, s)| Some((find(n)?, *s))).collect()
+    names.iter().zip(strengths).filter_map(|(n, s)| Some((state.effect(n)?.clone(), *s))).collect()
 }
 
 /// Run a model with fillings that no fit has seen, and compare it with the data; `None` if none of its

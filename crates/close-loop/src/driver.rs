@@ -161,6 +161,11 @@ impl<'a> State<'a> {
         }
     }
 
+    /// An effect of the catalogue, with the range that it has by now.
+    pub(crate) fn effect(&self, path: &str) -> Option<&Effect> {
+        self.setup.catalogue.effects.iter().find(|e| e.path == path)
+    }
+
     /// Time left, s, if so many models are to be confirmed after it; none without a limit.
     fn time_left(&self, models: usize) -> Option<f64> {
         let costly = self.setup.cast.fresh.is_some();

@@ -12,7 +12,7 @@ use rig_schema::{Amount, Load, Rig};
 
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model};
-use crate::confirm::{CONFIRMED_MEMBERS, effects_at};
+use crate::confirm::CONFIRMED_MEMBERS;
 use crate::curve::{Change, Curve};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Axis, Emulator, Sample};
@@ -85,8 +85,7 @@ impl CloseLoop<'_> {
         let members: Vec<Member> = all
             .filter_map(|name| {
                 let r = outcome.finding.ranked.iter().find(|r| r.name == *name)?;
-                let (effect, _) = effects_at(state, std::slice::from_ref(name), &[0.0]).pop()?;
-                Some(Member { effect, at: r.fit.theta.clone() })
+                Some(Member { effect: state.effect(name)?.clone(), at: r.fit.theta.clone() })
             })
             .collect();
         let half = self.half(state, &members, watch)?;

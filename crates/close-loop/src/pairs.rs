@@ -56,8 +56,7 @@ impl State<'_> {
     }
 
     fn both(&self, names: &[String; 2]) -> Option<[&Effect; 2]> {
-        let find = |n: &String| self.setup.catalogue.effects.iter().find(|e| e.path == *n);
-        Some([find(&names[0])?, find(&names[1])?])
+        Some([self.effect(&names[0])?, self.effect(&names[1])?])
     }
 
     /// A surface over the free parameters and both strengths, from the runs of the base, of each effect
