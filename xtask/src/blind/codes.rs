@@ -21,7 +21,8 @@ const FRICTIONS: [f64; 3] = [0.3, 0.45, 0.6];
 /// `step`.
 fn drum(friction: f64, number: u64, step: f64) -> anyhow::Result<Rig> {
     let truth = truth("null", "", friction, &[]);
-    let care = Care { fillings: 1, weighed: false, coarse: false, two_loads: false };
+    let care =
+        Care { fillings: 1, photographs: None, weighed: false, coarse: false, two_loads: false };
     let mut rig = nature(&truth, 700_000 + number, care)?.remove(0);
     let own = rig.settings.value("step.scale").unwrap_or(1.0);
     rig.settings

@@ -18,7 +18,7 @@ const SPEEDS: [f64; 6] = [15.0, 25.0, 35.0, 45.0, 55.0, 70.0];
 const HELD_OUT: f64 = 35.0;
 /// Speeds of a coarse drum, with the one that is kept aside.
 const FEW_SPEEDS: [f64; 5] = [15.0, 25.0, 35.0, 50.0, 70.0];
-/// Photographs of a speed, as an experimenter with a camera on a tripod takes them.
+/// Photographs of a speed, as an experimenter with a camera on a tripod takes them; half as many of a coarse drum.
 const PHOTOGRAPHS: u32 = 120;
 /// Frames of a simulation.
 const FRAMES: u32 = 24;
@@ -29,6 +29,11 @@ pub(crate) struct Care {
     /// Fillings of each drum; they share the photographs.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=12))]
     pub(crate) fillings: u32,
+    /// Photographs of each speed, shared by fillings and loads [default: 120, of a coarse drum 60]. (The slope of a few hundred
+    /// beads swings by 2.5 to 4 deg from one to the next, that of the thesis's drums of thousands by 0.2 to 1 deg: as sure a mean as
+    /// thirty of those give takes hundreds of these.)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=2000))]
+    pub(crate) photographs: Option<u32>,
     /// Beads are weighed, not counted.
     #[arg(long)]
     pub(crate) weighed: bool,
@@ -72,12 +77,19 @@ impl Care {
     fn frames(self, usual: u32) -> u32 {
         if self.coarse { usual / 2 } else { usual }
     }
+
+    /// Photographs of a speed of each filling.
+    fn photographs_of_each(self) -> u32 {
+        let among = self.fillings * self.loads();
+        let usual = || self.frames(PHOTOGRAPHS.div_ceil(among));
+        self.photographs.map_or_else(usual, |own| own.div_ceil(among))
+    }
 }
 
 /// The drum as an experimenter knows it; `law` is a line of contact laws, `frames` their number. (The time step is an eighth
 /// of the Rayleigh time; twice that moves cohesive beds.)
 fn rig_text(law: &str, frames: u32, care: Care) -> String {
-    let (speeds, frames) = (care.speeds(), care.frames(frames));
+    let speeds = care.speeds();
     let (diameter, dt) = if care.coarse { (0.007, 2.3e-4) } else { (0.006, 2e-4) };
     let (fill, amount) = care.fill(0);
     format!(
@@ -100,7 +112,7 @@ glass = {{ density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1.0e
 
 /// The case file: the rig, and what is asked.
 pub(crate) fn case_text(without: &[String], care: Care) -> String {
-    let mut text = rig_text("", FRAMES, care);
+    let mut text = rig_text("", care.frames(FRAMES), care);
     let fillings = care.fillings;
     let _ = write!(text, "\n[data]\nresponses = \"{}\"\nfillings = {fillings}\n", table_of(0));
     if care.two_loads {
@@ -130,8 +142,7 @@ pub(crate) fn nature(truth: &Truth, seed: u64, care: Care) -> anyhow::Result<Vec
         .map(|d| d.law)
         .find(|l| !l.is_empty())
         .unwrap_or("");
-    let photographs = PHOTOGRAPHS.div_ceil(care.fillings * care.loads());
-    let mut rig = Rig::parse("blind.toml", &rig_text(law, photographs, care))?;
+    let mut rig = Rig::parse("blind.toml", &rig_text(law, care.photographs_of_each(), care))?;
     let mut set = |path: &str, value: f64| {
         rig.settings.set(path, value).map_err(|_| anyhow::anyhow!("{path} = {value} is refused"))
     };
@@ -341,7 +352,8 @@ mod tests {
     #[test]
     fn an_experimenter_who_takes_care_refills_and_weighs() {
         let truth = drums::truth("null", "", 0.3, &[]);
-        let care = Care { fillings: 3, weighed: true, coarse: false, two_loads: false };
+        let care =
+            Care { fillings: 3, photographs: None, weighed: true, coarse: false, two_loads: false };
         let rigs = nature(&truth, 5, care).unwrap();
         let seeds: Vec<u64> = rigs.iter().map(|r| r.run.seed).collect();
         assert_eq!(seeds, [5, 1_000_008, 2_000_011]);
@@ -365,12 +377,16 @@ mod tests {
     #[test]
     fn two_loads_share_the_photographs_and_each_has_its_table() {
         let truth = drums::truth("null", "", 0.3, &[]);
-        let care = Care { fillings: 2, weighed: true, coarse: true, two_loads: true };
+        let care =
+            Care { fillings: 2, photographs: None, weighed: true, coarse: true, two_loads: true };
         let rigs = nature(&truth, 5, care).unwrap();
         let mass = |r: &Rig| r.settings.value("fill.mass_kg");
         assert_eq!(rigs.iter().filter_map(mass).collect::<Vec<_>>(), [0.165, 0.165, 0.08, 0.08]);
         // 120, half of them of a coarse drum, among four fillings.
         assert!(rigs.iter().all(|r| r.run.frames == 15));
+        // What is given is what is taken.
+        let many = nature(&truth, 5, Care { photographs: Some(240), ..care }).unwrap();
+        assert!(many.iter().all(|r| r.run.frames == 60));
         let case = close_loop::rig_schema::Case::parse("c.toml", &case_text(&[], care)).unwrap();
         let half = &case.data.loads[0];
         assert_eq!((half.responses.as_str(), half.fillings), (table_of(1), Some(2)));
