@@ -29,6 +29,16 @@ pub enum CloseLoopError {
         /// Value.
         value: f64,
     },
+    /// Effects that are asked for, none of which can be tried.
+    #[error(
+        "`catalogue.only` names {named}, which cannot be tried ({why}): expected an effect of the catalogue that is not free"
+    )]
+    NothingToTry {
+        /// Names.
+        named: String,
+        /// Why the first is left out.
+        why: String,
+    },
     /// A range that an effect cannot have.
     #[error("`{path}` cannot be looked for from {low} to {high}: {why}")]
     Range {

@@ -235,6 +235,12 @@ impl Setup {
         let speeds: Vec<Vec<f64>> = this.tables().map(|t| simulated(&t)).collect();
         let mut rig = case.rig.clone();
         rig.run.speeds_rpm.clone_from(&speeds[0]);
+        // What is free need not have a value of its own.
+        for f in case.free.iter().filter(|f| case.rig.settings.given(&f.path).is_none()) {
+            let middle = Scale::of(&f.path, f.range.0).half_way(f.range.0, f.range.1);
+            let refused = |_| CloseLoopError::Strength { path: f.path.clone(), value: middle };
+            rig.settings.set(&f.path, middle).map_err(refused)?;
+        }
         let further: Vec<Further> =
             case.data.loads.iter().cloned().zip(speeds[1..].iter().cloned()).collect();
         let cast = Cast::of(settings.fidelity, stand_in, &rig)?;

@@ -13,6 +13,9 @@ use crate::{Rig, SchemaError, namespace};
 /// What `data.code_differences` says where the data are of the code that fits them.
 pub const NO_DIFFERENCES: &str = "none";
 
+/// Parameters that may be free at a time: they are searched on a grid.
+const MOST_FREE: usize = 3;
+
 /// Where the measured responses are.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -143,15 +146,31 @@ pub struct CatalogueChoice {
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct CatalogueSpec {
-    only: Vec<String>,
+    only: Option<Vec<String>>,
     without: Vec<String>,
-    range: BTreeMap<String, BTreeMap<String, (f64, f64)>>,
+    range: BTreeMap<String, BTreeMap<String, Ends>>,
+}
+
+/// Lowest and highest value: an array of exactly two numbers. (A tuple takes no notice of a third.)
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "Vec<f64>")]
+struct Ends(f64, f64);
+
+impl TryFrom<Vec<f64>> for Ends {
+    type Error = String;
+
+    fn try_from(all: Vec<f64>) -> Result<Self, String> {
+        match all[..] {
+            [low, high] => Ok(Self(low, high)),
+            _ => Err(format!("a range of {} numbers, expected two, [low, high]", all.len())),
+        }
+    }
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FreeSpec {
-    range: (f64, f64),
+    range: Ends,
     shared: Option<String>,
 }
 
@@ -202,7 +221,7 @@ impl Case {
         }
         let free = take_free(&mut doc)?;
         let nuisance = take_nuisance(&mut doc)?;
-        let holdout = doc.take("holdout")?.unwrap_or_default();
+        let holdout = take_holdout(&mut doc)?;
         let catalogue = take_catalogue(&mut doc)?;
         let rig = Rig::take(&mut doc)?;
         for own in &data.get_ref().loads {
@@ -227,13 +246,49 @@ impl Case {
         })
     }
 
+    /// What keeps these measured speeds from being parted as [`Case::holdout`] asks: one that is named and was not measured, or
+    /// none that is left to fit.
+    pub fn holdout_fault(&self, speeds_rpm: &[f64]) -> Option<String> {
+        let known = |s: &f64| speeds_rpm.iter().any(|m| (m - s).abs() < SAME_SPEED);
+        if let Some(other) = self.holdout.speeds_rpm.iter().find(|s| !known(s)) {
+            let known: Vec<String> = speeds_rpm.iter().map(f64::to_string).collect();
+            let known = known.join(", ");
+            return Some(format!(
+                "`holdout` names {other} rpm, which was not measured: expected one of {known}"
+            ));
+        }
+        let count = speeds_rpm.len();
+        let aside = |(k, s): (usize, &f64)| self.holds_out(k, count, *s);
+        (count > 0 && speeds_rpm.iter().enumerate().all(aside))
+            .then(|| format!("`holdout` leaves none of {count} measured speeds to fit"))
+    }
+
     /// Whether a measured speed is kept aside; `index` counts the measured speeds from 0.
     pub fn holds_out(&self, index: usize, count: usize, omega_rpm: f64) -> bool {
         let every =
             self.holdout.every.is_some_and(|n| n > 0 && index % n as usize == 1 % n as usize);
         let end = self.holdout.ends && (index == 0 || index + 1 == count);
-        every || end || self.holdout.speeds_rpm.iter().any(|s| (s - omega_rpm).abs() < 1e-9)
+        every || end || self.holdout.speeds_rpm.iter().any(|s| (s - omega_rpm).abs() < SAME_SPEED)
     }
+}
+
+/// Difference of two speeds that are one, rpm.
+const SAME_SPEED: f64 = 1e-9;
+
+fn take_holdout(doc: &mut Document<'_>) -> Result<Holdout, SchemaError> {
+    let Some(holdout) = doc.take::<toml::Spanned<Holdout>>("holdout")? else {
+        return Ok(Holdout::default());
+    };
+    let own = holdout.get_ref();
+    if !own.speeds_rpm.iter().all(|s| s.is_finite() && *s > 0.0) {
+        let what = "a speed that is kept aside is none";
+        return Err(doc.error(holdout.span(), what, "speeds above 0 rpm"));
+    }
+    if own.every.is_some_and(|n| n < 2) {
+        let what = "`every` leaves no speed to fit, or keeps none aside";
+        return Err(doc.error(holdout.span(), what, "2 or more: every second speed, every third"));
+    }
+    Ok(holdout.into_inner())
 }
 
 fn check_simulator(
@@ -264,11 +319,27 @@ fn take_catalogue(doc: &mut Document<'_>) -> Result<CatalogueChoice, SchemaError
     };
     let mut ranges = BTreeMap::new();
     for (group, own) in &choice.get_ref().range {
-        for (name, (low, high)) in own {
+        for (name, Ends(low, high)) in own {
             ranges.insert(format!("{group}.{name}"), (*low, *high));
         }
     }
-    let named = choice.get_ref().only.iter().chain(&choice.get_ref().without);
+    let CatalogueSpec { only, without, .. } = choice.get_ref();
+    if only.as_ref().is_some_and(Vec::is_empty) {
+        return Err(doc.error(
+            choice.span(),
+            "`only` names no effect",
+            "at least one, or no `only`: then all are tried",
+        ));
+    }
+    let both = only.iter().flatten().find(|n| without.contains(n));
+    if let Some(name) = both {
+        return Err(doc.error(
+            choice.span(),
+            format!("`{name}` is asked for and left out"),
+            "an effect in `only` or in `without`",
+        ));
+    }
+    let named = only.iter().flatten().chain(without);
     let named = named.chain(ranges.keys());
     let known = |name: &String| {
         namespace::find(name).is_some() || namespace::groups().contains(&name.as_str())
@@ -294,7 +365,7 @@ fn take_catalogue(doc: &mut Document<'_>) -> Result<CatalogueChoice, SchemaError
         }
     }
     let CatalogueSpec { only, without, .. } = choice.into_inner();
-    Ok(CatalogueChoice { only, without, ranges })
+    Ok(CatalogueChoice { only: only.unwrap_or_default(), without, ranges })
 }
 
 fn take_free(doc: &mut Document<'_>) -> Result<Vec<Free>, SchemaError> {
@@ -302,11 +373,12 @@ fn take_free(doc: &mut Document<'_>) -> Result<Vec<Free>, SchemaError> {
     let Some(entry) = doc.take_raw("free") else {
         return Err(doc.error(0..0, "`free` is missing", hint));
     };
+    let whole = entry.key_span.clone();
     let mut free = Vec::new();
     for leaf in leaves(doc, entry)? {
         let span = leaf.value.span();
         let spec: FreeSpec = doc.convert(leaf.value)?;
-        let (low, high) = spec.range;
+        let Ends(low, high) = spec.range;
         let accepted = leaf.key != SPEED
             && namespace::find(&leaf.key).is_some_and(|p| p.accepts(low) && p.accepts(high));
         if !(low < high && accepted) {
@@ -316,7 +388,14 @@ fn take_free(doc: &mut Document<'_>) -> Result<Vec<Free>, SchemaError> {
                 "range = [low, high], both within the parameter's own range",
             ));
         }
-        free.push(Free { path: leaf.key, range: spec.range, shared: spec.shared });
+        free.push(Free { path: leaf.key, range: (low, high), shared: spec.shared });
+    }
+    if !(1..=MOST_FREE).contains(&free.len()) {
+        return Err(doc.error(
+            whole,
+            format!("{} parameters are free", free.len()),
+            format!("1 to {MOST_FREE}, for instance {hint}"),
+        ));
     }
     Ok(free)
 }

@@ -8,6 +8,9 @@ use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use crate::{Diagnostic, SchemaError};
 
+/// How alike a key must be to one that is missing to be taken for it, of 1.
+const ALIKE: f64 = 0.7;
+
 /// One key of a table with its place.
 #[derive(Debug, Clone)]
 pub(crate) struct Entry<'i> {
@@ -61,7 +64,19 @@ impl<'i> Document<'i> {
         key: &str,
         expected: &str,
     ) -> Result<T, SchemaError> {
-        self.take(key)?.ok_or_else(|| self.error(0..0, format!("`{key}` is missing"), expected))
+        if let Some(value) = self.take(key)? {
+            return Ok(value);
+        }
+        // Misspelt rather than missing?
+        let alike = |e: &&Entry<'_>| strsim::normalized_damerau_levenshtein(key, &e.key) > ALIKE;
+        Err(match self.entries.iter().find(alike) {
+            Some(entry) => self.error(
+                entry.key_span.clone(),
+                format!("unknown key `{}`, and `{key}` is missing", entry.key),
+                format!("`{key}`: {expected}"),
+            ),
+            None => self.error(0..0, format!("`{key}` is missing"), expected),
+        })
     }
 
     /// Convert a value, with the place of what is wrong in it.
@@ -110,7 +125,8 @@ pub(crate) fn number(value: &DeValue<'_>) -> Option<f64> {
 
 /// The most alike of `known`.
 pub(crate) fn nearest<'k>(key: &str, known: &[&'k str]) -> &'k str {
-    let alike = |k: &&str| strsim::normalized_damerau_levenshtein(key, k);
+    let key = key.to_lowercase();
+    let alike = |k: &&str| strsim::normalized_damerau_levenshtein(&key, &k.to_lowercase());
     known.iter().copied().max_by(|a, b| alike(a).total_cmp(&alike(b))).unwrap_or("(none)")
 }
 

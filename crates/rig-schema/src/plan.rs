@@ -43,6 +43,9 @@ pub struct Plan {
     pub design: DesignKind,
 }
 
+/// Runs that a design may ask for.
+const MOST_RUNS: u32 = 10_000;
+
 /// The path by which rotation speed is a factor.
 pub(crate) const SPEED: &str = "run.speed_rpm";
 
@@ -53,8 +56,18 @@ impl Plan {
     /// [`SchemaError::Invalid`] with file, line and the nearest known key.
     pub fn parse(file: &str, text: &str) -> Result<Self, SchemaError> {
         let mut doc = Document::parse(file, text)?;
-        let design = doc
+        let design: toml::Spanned<DesignKind> = doc
             .require("design", "[design] full_factorial = {} or latin_hypercube = { runs = N }")?;
+        let (DesignKind::FullFactorial { centre_points: runs }
+        | DesignKind::LatinHypercube { runs }) = *design.get_ref();
+        if runs > MOST_RUNS {
+            return Err(doc.error(
+                design.span(),
+                format!("a design of {runs} runs"),
+                format!("at most {MOST_RUNS}"),
+            ));
+        }
+        let design = design.into_inner();
         let factors = take_factors(&mut doc)?;
         let rig = Rig::take(&mut doc)?;
         doc.finish(&known_keys(&["factors", "design"]))?;

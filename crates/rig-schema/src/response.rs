@@ -46,6 +46,11 @@ impl Response {
         ["lin", "mid", "x", "y"][self.index()]
     }
 
+    /// The largest that it can be, to either side: a slope is at most upright, a centre of area within the drum.
+    pub fn most(self) -> f64 {
+        [90.0, 90.0, 100.0, 100.0][self.index()]
+    }
+
     /// Unit for labels.
     pub fn unit(self) -> &'static str {
         ["deg", "deg", "% R", "% R"][self.index()]

@@ -191,6 +191,9 @@ pub enum Cohesion {
     Capillary,
 }
 
+/// Spheres on a ring, at most: the volume of a union of more takes minutes.
+const MOST_SPHERES: u32 = 200;
+
 /// How the experiment is run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -209,6 +212,36 @@ pub struct Run {
 
 fn thirty() -> u32 {
     30
+}
+
+impl Run {
+    /// Speeds of drums: a turn of the slowest takes most of a day.
+    const SPEEDS_RPM: std::ops::RangeInclusive<f64> = 0.001..=10_000.0;
+
+    /// Frames of a speed, at most.
+    const MOST_FRAMES: u32 = 1_000_000;
+
+    /// Why it cannot be carried out, and what would do; `None` if it can.
+    pub fn fault(&self) -> Option<(String, String)> {
+        let fault = |what: &str, expected: &str| Some((what.to_owned(), expected.to_owned()));
+        if self.speeds_rpm.is_empty() {
+            return fault("no rotation speed is given", "at least one, rpm");
+        }
+        if let Some(s) = self.speeds_rpm.iter().find(|s| !Self::SPEEDS_RPM.contains(*s)) {
+            return fault(&format!("a drum cannot be run at {s} rpm"), "0.001 to 10000 rpm");
+        }
+        let twice = |(k, s): (usize, &f64)| self.speeds_rpm[..k].contains(s).then_some(*s);
+        if let Some(s) = self.speeds_rpm.iter().enumerate().find_map(twice) {
+            return fault(&format!("{s} rpm stands twice"), "each speed once");
+        }
+        if let Some(dt) = self.time_step_s.filter(|dt| !(*dt > 0.0 && dt.is_finite())) {
+            return fault(&format!("a time step of {dt} s"), "a time step above 0 s");
+        }
+        if !(1..=Self::MOST_FRAMES).contains(&self.frames) {
+            return fault(&format!("{} frames of a speed", self.frames), "1 to 1000000 frames");
+        }
+        None
+    }
 }
 
 /// An experiment in a rotating drum.
@@ -276,9 +309,11 @@ impl Rig {
 
     /// Take the rig's keys from a document.
     pub(crate) fn take(doc: &mut Document<'_>) -> Result<Self, SchemaError> {
-        let name: String = doc.require("name", "name = \"...\"")?;
+        let name: toml::Spanned<String> = doc.require("name", "name = \"...\"")?;
+        check_name(doc, &name)?;
+        let name = name.into_inner();
         let title = doc.take("title")?.unwrap_or_else(|| name.clone());
-        let materials: BTreeMap<String, Material> = doc.require(
+        let materials: BTreeMap<String, toml::Spanned<Material>> = doc.require(
             "materials",
             "[materials.NAME] with density, Poisson's ratio, shear modulus",
         )?;
@@ -289,18 +324,20 @@ impl Rig {
         let contact = doc.take("contact")?.unwrap_or_default();
         let run: toml::Spanned<Run> = doc.require("run", "[run] with speeds_rpm")?;
         let settings = Settings::take(doc)?;
-        for (name, m) in &materials {
+        for (name, own) in &materials {
+            let m = own.get_ref();
             let fine = m.density_kg_m3 > 0.0
                 && m.shear_modulus_pa > 0.0
                 && (-1.0..=0.5).contains(&m.poisson_ratio);
             if !fine {
                 return Err(doc.error(
-                    0..0,
+                    own.span(),
                     format!("material `{name}` has an impossible constant"),
                     "density and shear modulus above 0, Poisson's ratio within -1 to 0.5",
                 ));
             }
         }
+        let materials = materials.into_iter().map(|(name, own)| (name, own.into_inner())).collect();
         check_drum(doc, &drum, &materials)?;
         check_particles(doc, &particles, &materials)?;
         check_run(doc, &run)?;
@@ -381,7 +418,7 @@ fn check_particles(
     let fine = match p.shape {
         Shape::Sphere(s) => s.diameter_m > 0.0,
         Shape::RingTablet(r) => {
-            r.ring_spheres >= 3
+            (3..=MOST_SPHERES).contains(&r.ring_spheres)
                 && r.sphere_radius_m > 0.0
                 && r.ring_radius_m > 0.0
                 && r.middle_radius_m.is_none_or(|m| m > 0.0)
@@ -391,21 +428,37 @@ fn check_particles(
         return Err(doc.error(
             particles.span(),
             "the particle has no size or mass",
-            "lengths and mass above 0, at least 3 spheres on a ring",
+            format!("lengths and mass above 0, 3 to {MOST_SPHERES} spheres on a ring"),
         ));
     }
     check_material(doc, particles.span(), &p.material, materials)
 }
 
 fn check_run(doc: &Document<'_>, run: &toml::Spanned<Run>) -> Result<(), SchemaError> {
-    let r = run.get_ref();
-    let speeds = !r.speeds_rpm.is_empty() && r.speeds_rpm.iter().all(|s| s.is_finite() && *s > 0.0);
-    if speeds && r.time_step_s.is_none_or(|dt| dt > 0.0 && dt.is_finite()) && r.frames > 0 {
+    match run.get_ref().fault() {
+        Some((what, expected)) => Err(doc.error(run.span(), what, expected)),
+        None => Ok(()),
+    }
+}
+
+/// Results are written to a folder of that name.
+fn check_name(doc: &Document<'_>, name: &toml::Spanned<String>) -> Result<(), SchemaError> {
+    /// Bytes of a name, less than what file systems take, since more is added to it.
+    const LONGEST: usize = 100;
+    let own = name.get_ref();
+    let strange = |c: char| c.is_control() || "/\\:".contains(c);
+    if !own.trim().is_empty()
+        && own.len() <= LONGEST
+        && !own.starts_with('.')
+        && !own.contains(strange)
+    {
         return Ok(());
     }
     Err(doc.error(
-        run.span(),
-        "the run cannot be carried out",
-        "at least one speed, every speed and the time step above 0, at least one frame",
+        name.span(),
+        format!("`{}` cannot be the name of a folder", own.escape_default()),
+        format!(
+            "1 to {LONGEST} bytes without /, \\, : and control characters, not beginning with a dot"
+        ),
     ))
 }

@@ -79,6 +79,12 @@ impl<'t> Sheet<'t> {
 
     fn check_header(&self, known: &[&str]) -> Result<(), SchemaError> {
         for (i, column) in self.columns.iter().enumerate() {
+            if column.contains([';', '\t']) {
+                return Err(self.header_fault(
+                    "columns are parted by semicolons or tabs",
+                    "commas between columns, points in numbers",
+                ));
+            }
             if !known.contains(&column.as_str()) {
                 return Err(self.header_fault(
                     format!("unknown column `{column}`"),
@@ -199,7 +205,22 @@ impl<'t> Sheet<'t> {
         let mut cells = [None; 4];
         for r in Response::ALL {
             let Some(mean) = self.optional(record, r.column())? else { continue };
+            let most = r.most();
+            if mean.abs() > most {
+                return Err(self.fault(
+                    record,
+                    format!("{mean} in column `{}` cannot be", r.column()),
+                    format!("a number within -{most} to {most}"),
+                ));
+            }
             let sd = self.optional(record, r.sd_column())?;
+            if let Some(sd) = sd.filter(|s| *s > most) {
+                return Err(self.fault(
+                    record,
+                    format!("{sd} in column `{}` cannot be", r.sd_column()),
+                    format!("a standard deviation of at most {most}"),
+                ));
+            }
             if let Some(sd) = sd.filter(|s| *s < 0.0) {
                 return Err(self.fault(
                     record,

@@ -101,7 +101,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, default_value_t = 2)]
     pub(crate) threads: usize,
     /// Width of the frames, pixels.
-    #[arg(long, default_value_t = 968)]
+    #[arg(long, default_value_t = 968, value_parser = width)]
     pub(crate) width: u32,
     /// Also write the positions of every frame.
     #[arg(long)]
@@ -140,6 +140,9 @@ pub(crate) struct MeasureArgs {
     /// Rotation speed of the series, rpm: for the Froude number and the row of responses.csv.
     #[arg(long, value_name = "RPM")]
     pub(crate) speed: Option<f64>,
+    /// Inner radius of the drum, m: for the Froude number.
+    #[arg(long, value_name = "M", value_parser = length)]
+    pub(crate) drum_radius: Option<f64>,
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
@@ -162,16 +165,16 @@ pub(crate) struct FilmArgs {
     /// Positions (CSV `frame,x,y,z,radius`, metres; drum axis z through the origin, y up).
     pub(crate) positions: PathBuf,
     /// Inner radius of the drum, m.
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = length)]
     pub(crate) drum_radius: f64,
     /// Inner length of the drum, m.
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = length)]
     pub(crate) drum_length: f64,
     /// `PATH=VALUE`: set a parameter of the camera, for instance camera.roll_deg=1.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = path_value)]
     pub(crate) settings: Vec<(String, f64)>,
     /// Width of a frame, pixels; the height follows at 3:2.
-    #[arg(long, default_value_t = 1936)]
+    #[arg(long, default_value_t = 1936, value_parser = width)]
     pub(crate) width: u32,
     /// Also write an animated GIF.
     #[arg(long)]
@@ -249,6 +252,25 @@ impl From<Errata> for ErrataLevel {
             Errata::Certain => Self::Certain,
             Errata::Likely => Self::Likely,
         }
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not a length above 0 m"))
+    }
+}
+
+/// Widths of frames that can be read, pixels.
+fn width(text: &str) -> Result<u32, String> {
+    let value: u32 = text.parse().map_err(|_| format!("`{text}` is not a number of pixels"))?;
+    if (32..=16_384).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not within 32 to 16384 pixels"))
     }
 }
 

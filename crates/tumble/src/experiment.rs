@@ -18,6 +18,15 @@ pub(crate) struct Changes<'a> {
     pub(crate) coarse: bool,
 }
 
+/// Bytes of the mesh that a rig names, beside the rig's file.
+pub(crate) fn liner(file: &str, rig: &Rig) -> Result<Option<Vec<u8>>, InputError> {
+    let Some(named) = &rig.drum.liner else { return Ok(None) };
+    let path = Path::new(file).parent().unwrap_or(Path::new("")).join(named);
+    let read = std::fs::read(&path);
+    let unreadable = |source| InputError::Unreadable { path: path.display().to_string(), source };
+    read.map(Some).map_err(unreadable)
+}
+
 /// The rig of a rig file, a case file or a built-in case, with what the arguments change.
 pub(crate) fn rig(name: &str, changes: &Changes<'_>) -> anyhow::Result<(Rig, String)> {
     let path = Path::new(name);
@@ -59,6 +68,9 @@ pub(crate) fn rig(name: &str, changes: &Changes<'_>) -> anyhow::Result<(Rig, Str
     }
     if let Some(seed) = changes.seed {
         rig.run.seed = seed;
+    }
+    if let Some((what, expected)) = rig.run.fault() {
+        return Err(InputError::Run { what, expected }.into());
     }
     if changes.coarse {
         rig = coarse(&rig, Coarsening::default())?;

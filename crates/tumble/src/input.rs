@@ -24,6 +24,15 @@ pub(crate) enum InputError {
     /// A setting on the command line.
     #[error("`{path}` = {value}: expected {expected}")]
     Setting { path: String, value: f64, expected: String },
+    /// A run that cannot be carried out, or data that cannot be parted.
+    #[error("{what}; expected {expected}")]
+    Run { what: String, expected: String },
+    /// Measured data that a case does not fit.
+    #[error("{file}: {what}")]
+    Case { file: String, what: String },
+    /// A file of pictures that is not there.
+    #[error("{path} does not exist; expected a picture, or a folder of pictures")]
+    NoPicture { path: String },
     /// A file that holds no calibrated parameters.
     #[error(
         "{path} holds no calibrated parameters; expected result.json of `tumble calibrate` for one case or closed_loop.json of `tumble close-loop`"
@@ -210,11 +219,13 @@ pub(crate) fn load(name: &str, level: ErrataLevel) -> anyhow::Result<Loaded> {
         return Err(calib::CalibError::NoTable { case: case.rig.name.clone() }.into());
     };
     let simulated_text = place.read(&table.file)?;
+    let paths: Vec<String> = columns.iter().map(|(_, path)| path.clone()).collect();
     let columns: Vec<&str> = columns.iter().map(|(column, _)| column.as_str()).collect();
     let mut inputs = vec![text.input(), measured_text.input(), simulated_text.input()];
     let mut measured = MeasuredTable::parse(&measured_text.name, &measured_text.text)?;
     let mut simulated =
         SimulatedTable::parse(&simulated_text.name, &simulated_text.text, &columns)?;
+    check_tables(&case, (&measured, &simulated), &paths)?;
     let mut applied = Vec::new();
     let built_in = matches!(place, Place::BuiltIn);
     if built_in {
@@ -229,6 +240,52 @@ pub(crate) fn load(name: &str, level: ErrataLevel) -> anyhow::Result<Loaded> {
     }
     Ok(Loaded { case, measured, simulated, errata: applied, inputs, built_in })
 }
+
+/// Whether a case and its tables go together: factors that their parameters can have, free parameters no farther than anything
+/// was simulated, speeds that are kept aside among those that were measured.
+fn check_tables(
+    case: &Case,
+    (measured, simulated): (&MeasuredTable, &SimulatedTable),
+    paths: &[String],
+) -> Result<(), InputError> {
+    let speeds: Vec<f64> = measured.rows.iter().map(|r| r.omega_rpm).collect();
+    if let Some(what) = case.holdout_fault(&speeds) {
+        return Err(InputError::Case { file: measured.file.clone(), what });
+    }
+    let file = || simulated.file.clone();
+    for (k, path) in paths.iter().enumerate() {
+        let Some(parameter) = rig_schema::namespace::find(path) else { continue };
+        let value = |row: &rig_schema::SimulatedRow| row.factors.get(k).copied();
+        let wrong =
+            |row: &&rig_schema::SimulatedRow| value(row).is_some_and(|v| !parameter.accepts(v));
+        if let Some(row) = simulated.rows.iter().find(wrong) {
+            let (low, high) = parameter.range;
+            let what = format!(
+                "line {}: `{path}` cannot be {}; expected {low} to {high} {}",
+                row.line,
+                value(row).unwrap_or(f64::NAN),
+                parameter.unit
+            );
+            return Err(InputError::Case { file: file(), what });
+        }
+        let Some(free) = case.free.iter().find(|f| f.path == *path) else { continue };
+        let all = || simulated.rows.iter().filter_map(value);
+        let least = all().fold(f64::INFINITY, f64::min);
+        let most = all().fold(f64::NEG_INFINITY, f64::max);
+        let slack = BEYOND * (most - least);
+        if free.range.0 < least - slack || free.range.1 > most + slack {
+            let (low, high) = free.range;
+            let what = format!(
+                "`{path}` was simulated from {least} to {most}, and is to be searched from {low} to {high}; expected a range within what was simulated"
+            );
+            return Err(InputError::Case { file: file(), what });
+        }
+    }
+    Ok(())
+}
+
+/// How far a free parameter may go beyond the runs of a table, as a part of their span.
+const BEYOND: f64 = 0.05;
 
 fn file_name(path: &str) -> String {
     Path::new(path)

@@ -122,6 +122,7 @@ impl FailureClass {
             CampaignError::Film(_)
             | CampaignError::Vision(_)
             | CampaignError::Picture { .. }
+            | CampaignError::Unseen { .. }
             | CampaignError::Parameter { .. } => Self::Measuring,
             CampaignError::Fault { .. } | CampaignError::Json { .. } => Self::Fault,
             CampaignError::Row { source, .. } => Self::of(source),

@@ -76,9 +76,20 @@ impl RowRun<'_> {
         let (particles, time_step_s) = (drum.grains().len(), drum.time_step());
         let steps = drum.progress().steps;
         let mut speeds = Vec::new();
+        let mut unseen = None;
         for steady in &drum.into_sampled() {
             let (seen, edem) = observatory.observe_both(steady)?;
-            speeds.push(speed_result(steady, &seen, &edem));
+            let speed = speed_result(steady, &seen, &edem);
+            unseen = unseen.or_else(|| speed.responses.is_none().then(|| seen.report.clone()));
+            speeds.push(speed);
+        }
+        // A run of which nothing could be measured has failed.
+        if let Some(report) = unseen.filter(|_| speeds.iter().all(|s| s.responses.is_none())) {
+            return Err(CampaignError::Unseen {
+                speed_rpm: speeds.first().map_or(f64::NAN, |s| s.omega_rpm),
+                measured: report.n_frames,
+                reason: report.rejected.first().map(|r| r.reason.clone()),
+            });
         }
         Ok(Left::Done(Simulated { particles, time_step_s, steps, speeds }, effort()))
     }

@@ -175,11 +175,20 @@ impl Catalogue {
     /// What a case asks for.
     ///
     /// # Errors
-    /// As [`Catalogue::over`].
+    /// As [`Catalogue::over`]; [`CloseLoopError::NothingToTry`] if none of the effects that are asked for can be tried.
     pub fn chosen(self, choice: &CatalogueChoice) -> Result<Self, CloseLoopError> {
         let mut left = self.without(&choice.without);
         if !choice.only.is_empty() {
             left = left.only(&choice.only);
+            if left.effects.is_empty() {
+                let asked = |path: &str| choice.only.iter().any(|n| stands_for(n, path));
+                let why = left.left_out.iter().find(|(path, _)| asked(path));
+                let why = why.map_or("the catalogue has no such effect", |(_, why)| why);
+                return Err(CloseLoopError::NothingToTry {
+                    named: choice.only.join(", "),
+                    why: why.to_owned(),
+                });
+            }
         }
         left.over(&choice.ranges)
     }

@@ -29,7 +29,7 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     pub(crate) coarse: bool,
     /// Width of the frames, pixels.
-    #[arg(long, default_value_t = 968)]
+    #[arg(long, default_value_t = 968, value_parser = super::width)]
     pub(crate) width: u32,
     /// Seconds between two checkpoints of a run.
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]
@@ -103,13 +103,13 @@ pub(crate) struct ExportArgs {
     #[arg(long)]
     pub(crate) coarse: bool,
     /// Turns at each speed before the first frame.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, value_parser = turns)]
     pub(crate) approach_turns: f64,
     /// Seconds from one frame to the next [default: half a turn, 1.5 s at least, over the frames].
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = time)]
     pub(crate) interval: Option<f64>,
     /// Times of the frames, s after the drum took up each speed, instead of an interval.
-    #[arg(long, value_name = "S", value_delimiter = ',', conflicts_with_all = ["interval", "frames"])]
+    #[arg(long, value_name = "S", value_delimiter = ',', value_parser = time, conflicts_with_all = ["interval", "frames"])]
     pub(crate) times: Vec<f64>,
     /// Turn the dumps that the deck has written into tables of positions, and write no deck.
     #[arg(long)]
@@ -117,6 +117,24 @@ pub(crate) struct ExportArgs {
     /// Folder for the deck [default: tumble-out/RIG-CODE].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+}
+
+fn turns(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if (0.0..=1000.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not between 0 and 1000 turns"))
+    }
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if value > 0.0 && value <= 86_400.0 {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not above 0 and at most 86400 s"))
+    }
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -18,22 +18,22 @@ pub(crate) struct CloseLoopArgs {
     #[arg(long, value_name = "N")]
     pub(crate) runs: Option<usize>,
     /// Simulations at a time, one thread each; they change no figure.
-    #[arg(long, default_value_t = 2)]
+    #[arg(long, default_value_t = 2, value_parser = at_least::<1>)]
     pub(crate) jobs: usize,
     /// Most speeds that are simulated; others are interpolated.
-    #[arg(long, value_name = "N", default_value_t = 6)]
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = at_least::<2>)]
     pub(crate) speeds: usize,
     /// Speeds to predict by the confirmed models, rpm, for instance 20,60.
     #[arg(long, value_name = "RPM", value_delimiter = ',')]
     pub(crate) predict: Vec<f64>,
     /// Width of the frames, pixels.
-    #[arg(long, default_value_t = 484)]
+    #[arg(long, default_value_t = 484, value_parser = super::width)]
     pub(crate) width: u32,
     /// Seed of designs, fillings and draws.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
     /// Draws of the bootstrap.
-    #[arg(long, default_value_t = 499)]
+    #[arg(long, default_value_t = 499, value_parser = at_least::<99>)]
     pub(crate) bootstrap: usize,
     /// Folder in which runs are kept; cases may share one [default: OUT/cache].
     #[arg(long, value_name = "DIR")]
@@ -44,6 +44,12 @@ pub(crate) struct CloseLoopArgs {
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A number that is not below `LEAST`.
+fn at_least<const LEAST: usize>(text: &str) -> Result<usize, String> {
+    let value: usize = text.parse().map_err(|_| format!("`{text}` is not a whole number"))?;
+    if value >= LEAST { Ok(value) } else { Err(format!("{value} is below {LEAST}")) }
 }
 
 /// Seconds, or a number with s, min or h.

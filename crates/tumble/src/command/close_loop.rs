@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use anyhow::Context;
 use calib::attribution::CodeCovariance;
 use campaign::{Laboratory, Resolution, Sampling};
 use close_loop::{
     CloseLoop, CloseLoopError, Codes, Errors, LoopSettings, Outcome, ResponseErrors, Stage,
 };
 use indicatif::{ProgressBar, ProgressStyle};
-use rig_schema::{Case, CodeDifferences, MeasuredTable, Simulator};
+use rig_schema::{Case, CodeDifferences, MeasuredTable, Run, Simulator};
 use serde::Serialize;
 
 use super::budget;
@@ -82,6 +82,8 @@ pub(crate) fn run(args: &CloseLoopArgs) -> anyhow::Result<()> {
     if matches!(case.simulator, Simulator::Table(_)) {
         refuse_what_needs_a_rig(args, &text)?;
     }
+    check_speeds(&case, &text.measured, &measured)?;
+    check_predicted(&args.predict, &case, &measured)?;
     let codes = codes(&case, &text)?;
     let folder = output::folder(args.out.as_deref(), &format!("close_loop_{}", case.rig.name))?;
     let outcome = match &case.simulator {
@@ -134,12 +136,15 @@ fn by_runs(
     let cache = args.cache.clone().unwrap_or_else(|| folder.join("cache"));
     let sampling = Sampling { resolution, ..Sampling::default() };
     let lab = Arc::new(Laboratory::open(&cache, args.jobs, sampling)?);
-    let asked = Arc::clone(&lab);
-    ctrlc::set_handler(move || asked.stop()).context("cannot listen for Ctrl-C")?;
+    let (asked, again) = (Arc::clone(&lab), AtomicBool::new(false));
+    output::on_interrupt(move || {
+        asked.stop();
+        again.swap(true, Ordering::Relaxed)
+    })?;
     let mut settings = LoopSettings {
         runs: args.runs,
         most_speeds: args.speeds,
-        predict: speeds_to_predict(&args.predict)?,
+        predict: args.predict.clone(),
         seed: args.seed,
         codes,
         ..LoopSettings::default()
@@ -186,14 +191,41 @@ fn by_runs(
     Ok(outcome?)
 }
 
-fn speeds_to_predict(asked: &[f64]) -> anyhow::Result<Vec<f64>> {
-    for rpm in asked {
-        anyhow::ensure!(
-            rpm.is_finite() && *rpm > 0.0,
-            "--predict {rpm}: expected speeds in rpm, above 0"
-        );
+/// Whether a drum can be run at the measured speeds, and they can be parted as the case asks.
+fn check_speeds(case: &Case, text: &Text, measured: &MeasuredTable) -> Result<(), InputError> {
+    let speeds: Vec<f64> = measured.rows.iter().map(|r| r.omega_rpm).collect();
+    let file = || text.name.clone();
+    if let Some(what) = case.holdout_fault(&speeds) {
+        return Err(InputError::Case { file: file(), what });
     }
-    Ok(asked.to_vec())
+    let run = Run { speeds_rpm: speeds, ..case.rig.run.clone() };
+    match run.fault() {
+        Some((what, expected)) => {
+            Err(InputError::Case { file: file(), what: format!("{what}; expected {expected}") })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Speeds to predict: they are run last, and a drum that has no steady bed there would cost the answer.
+fn check_predicted(asked: &[f64], case: &Case, measured: &MeasuredTable) -> Result<(), InputError> {
+    /// Slowest speed, as a part of the slowest that was measured: slower ones take for ever.
+    const SLOWEST: f64 = 0.1;
+    /// Gravity, m/s2.
+    const GRAVITY: f64 = 9.81;
+    let slowest = measured.rows.iter().map(|r| r.omega_rpm).fold(f64::INFINITY, f64::min);
+    let least = SLOWEST * slowest;
+    // Froude number 1: from here on the bed is carried round.
+    let most = (GRAVITY / case.rig.drum.radius_m).sqrt() * 30.0 / std::f64::consts::PI;
+    match asked.iter().find(|rpm| !(least..most).contains(*rpm)) {
+        Some(rpm) => Err(InputError::Run {
+            what: format!("--predict {rpm}"),
+            expected: format!(
+                "speeds from {least:.3} rpm (a tenth of the slowest measured) to {most:.1} rpm (Froude number 1)"
+            ),
+        }),
+        None => Ok(()),
+    }
 }
 
 fn by_table(args: &CloseLoopArgs, text: &CaseText) -> anyhow::Result<Outcome> {

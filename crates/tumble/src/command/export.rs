@@ -27,6 +27,12 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<()> {
         let folder = output::folder(args.out.as_deref(), &name)?;
         return collect(&rig.run.speeds_rpm, code, &folder);
     }
+    let rises = args.times.windows(2).all(|w| w[0] < w[1]);
+    if !rises {
+        let what = format!("--times {:?}", args.times);
+        let expected = "times of frames that rise".to_owned();
+        return Err(InputError::Run { what, expected }.into());
+    }
     let schedule = Schedule {
         approach_turns: args.approach_turns,
         interval_s: args.interval,

@@ -27,7 +27,19 @@ pub(crate) fn run(args: &FilmArgs) -> anyhow::Result<()> {
     }
     let studio = film.studio()?;
     let rows = positions(&args.positions)?;
+    let outside = rows.iter().filter(|(_, s)| s.center.truncate().length() > args.drum_radius);
+    let outside = outside.count();
+    if 2 * outside > rows.len() {
+        let what = format!("{path}: {outside} of {} spheres lie outside the drum", rows.len());
+        let expected = "positions in metres about its axis, z".to_owned();
+        return Err(InputError::Run { what, expected }.into());
+    }
     let folder = output::folder(args.out.as_deref(), "film")?;
+    // Frames of another film would be measured with these.
+    output::remove_stale(&folder, |name| {
+        let number = name.strip_prefix("frame_").and_then(|n| n.strip_suffix(".png"));
+        number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
+    })?;
     let bar = ProgressBar::new_spinner();
     bar.set_style(ProgressStyle::with_template("{spinner} {pos} frames, {elapsed}")?);
     let mut preview = Vec::new();

@@ -21,10 +21,19 @@ pub(crate) fn run(args: &MeasureArgs) -> anyhow::Result<()> {
         Some(path) => VisionConfig::from_toml(&input::read(path)?.text)?,
         None => VisionConfig::default(),
     };
+    if let Some(rpm) = args.speed.filter(|s| !(s.is_finite() && *s > 0.0)) {
+        let (what, expected) = (format!("--speed {rpm}"), "a speed above 0 rpm".to_owned());
+        return Err(InputError::Run { what, expected }.into());
+    }
     config.rig.speed_rpm = args.speed.or(config.rig.speed_rpm);
+    config.rig.drum_radius_m = args.drum_radius.or(config.rig.drum_radius_m);
     let region = args.roi.as_deref().map(RegionSidecar::from_file).transpose()?;
     let frames = pictures(&args.frames)?;
     let folder = output::folder(args.out.as_deref(), "measure")?;
+    // What an earlier call has left is of other pictures.
+    output::remove_stale(&folder, |name| {
+        name == "responses.csv" || name == "contact_sheet.png" || is_overlay(name)
+    })?;
     let bar = ProgressBar::new(frames.len() as u64);
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} frames, {eta} left")?);
     let tiles: Mutex<Vec<Option<Tile>>> = Mutex::new(frames.iter().map(|_| None).collect());
@@ -89,10 +98,19 @@ pub(crate) fn run(args: &MeasureArgs) -> anyhow::Result<()> {
     }
 }
 
+/// Whether a file is an overlay by its name: number, name of the picture, `_overlay.png`.
+fn is_overlay(name: &str) -> bool {
+    let stem = name.strip_suffix("_overlay.png").and_then(|n| n.split_once('_'));
+    stem.is_some_and(|(n, _)| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
+}
+
 /// The files named, and the frames in the folders named, each folder sorted.
 fn pictures(named: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut all = Vec::new();
     for path in named {
+        if !path.exists() {
+            return Err(InputError::NoPicture { path: path.display().to_string() }.into());
+        }
         if !path.is_dir() {
             all.push(path.clone());
             continue;

@@ -77,8 +77,7 @@ pub(crate) fn run(args: &RunArgs) -> anyhow::Result<()> {
     }
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
-    ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed))
-        .context("cannot listen for Ctrl-C")?;
+    output::on_interrupt(move || asked.swap(true, Ordering::Relaxed))?;
     let options = RunOptions {
         jobs: args.jobs,
         checkpoint_every: Duration::from_secs_f64(args.checkpoint_every),

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use campaign::drum_rig::{Experiment, Flow, Outcome, Sampled};
 use campaign::vtk::{Encoding, Series};
 use campaign::{Footage, Observatory, Observed, Resolution};
@@ -79,11 +78,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let (rig, hash) = experiment::rig(&args.rig, &changes)?;
     let resolution = Resolution { width_px: args.width, ..Resolution::default() };
     let observatory = Observatory::new(&rig, resolution)?;
-    let options = observatory.options(args.threads);
+    let mut options = observatory.options(args.threads);
+    options.liner_stl = experiment::liner(&args.rig, &rig)?;
     if args.dry_run {
         return dry_run(&Experiment::new(&rig, &options)?, args);
     }
     let folder = output::folder(args.out.as_deref(), &rig.name)?;
+    output::check_writable(&folder)?;
     let kept = folder.join(CHECKPOINT);
     let mut drum = if args.resume {
         let bytes = std::fs::read(&kept).map_err(|source| InputError::Unreadable {
@@ -98,8 +99,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let start = Instant::now();
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
-    ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed))
-        .context("cannot listen for Ctrl-C")?;
+    output::on_interrupt(move || asked.swap(true, Ordering::Relaxed))?;
     let mut series = match &args.vtk {
         Some(to) if args.resume => Some(Series::go_on(to, Encoding::default())?),
         Some(to) => Some(Series::begin(to, Encoding::default())?),
@@ -120,6 +120,8 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
             frames.filter_map(|f| f.exposures.last().map(|e| e.time_s)).collect();
         series.keep_only(&closed)?;
     }
+    // What comes is not simulated again if it is interrupted.
+    output::write_bytes(&folder, CHECKPOINT, &drum.checkpoint())?;
     eprintln!(
         "filming and measuring {} frames",
         sampled.iter().map(|s| s.frames.len()).sum::<usize>()
@@ -127,8 +129,17 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let mut speeds = Vec::new();
     let mut files = Vec::new();
     let mut table = String::new();
+    // Of what no frame could be measured of: why.
+    let mut unseen: Option<(usize, String)> = None;
     for steady in &sampled {
+        if stop.load(Ordering::Relaxed) {
+            anyhow::bail!("stopped; {} keeps what was done, go on with --resume", kept.display());
+        }
         let seen = observatory.observe(steady)?;
+        if let (None, Some(first)) = (&seen.report.responses, seen.report.rejected.first()) {
+            let reason = format!("{} at {} rpm: {}", first.frame, seen.speed_rpm, first.reason);
+            unseen.get_or_insert((steady.frames.len(), reason));
+        }
         if let Some(name) = preview(&seen, &folder)? {
             files.push(name);
         }
@@ -172,7 +183,11 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     } else {
         print(&done, &folder);
     }
-    Ok(())
+    let nothing = done.responses.iter().all(|s| s.responses.is_none());
+    match unseen.filter(|_| nothing) {
+        Some((total, reason)) => Err(InputError::NothingMeasured { total, reason }.into()),
+        None => Ok(()),
+    }
 }
 
 fn simulate(

@@ -173,3 +173,90 @@ fn differences_between_codes_that_cannot_be_used() {
     let text = shown(&of_a_table, Some(&format!("{header}1,20,0,0,0,0\n")));
     assert!(text.contains("data.code_differences needs simulations"), "{text}");
 }
+
+#[test]
+fn what_cannot_be_is_said_with_its_place() {
+    let says = |text: String, words: &[&str]| {
+        assert!(words.iter().all(|w| text.contains(w)), "{words:?} not in: {text}");
+    };
+    says(case("[0.4, 0.8]", "[0.4, 0.6, 0.8]"), &["case.toml:", "3 numbers", "[low, high]"]);
+    says(case("[0.1, 0.9]", "[0.1, 2.0]"), &["edem_AZ4_Steel.csv", "0.1 to 0.9", "0.1 to 2"]);
+    let holdout = |what: &str| case("[drum]", &format!("[holdout]\n{what}\n[drum]"));
+    says(holdout("speeds_rpm = [13.0]"), &["13 rpm", "was not measured"]);
+    says(holdout("every = 1"), &["case.toml:", "`every`"]);
+    says(case("name = \"AZ4_Steel\"", "name = \"../mine\""), &["case.toml:", "name of a folder"]);
+    says(measured("31.67,0.16", "1e300,0.16"), &["experiment_AZ4_Steel.csv:", "aor_lin_deg"]);
+    says(measured("omega_rpm,", "omega_rpm;"), &["semicolons"]);
+    let mut mine = Mine::new();
+    let rows: Vec<&str> = mine.simulated.lines().collect();
+    let first = rows.iter().position(|l| l.starts_with("1,")).expect("run 1");
+    let factor = rows[first - 1].split(',').position(|c| c == "mu_pp").expect("a factor");
+    let mut fields: Vec<&str> = rows[first].split(',').collect();
+    fields[factor] = "-3";
+    mine.simulated = mine.simulated.replacen(rows[first], &fields.join(","), 1);
+    says(mine.shown(), &["edem_AZ4_Steel.csv", "friction.pp", "-3"]);
+}
+
+/// A rig of few beads; other lines instead of some.
+fn few_beads(changes: &[(&str, &str)]) -> String {
+    let mut rig = fixture("demo/drum.toml");
+    let end = rig.find("[data]").expect("a case");
+    rig.truncate(end);
+    for (from, to) in changes {
+        assert!(rig.contains(from), "{from}");
+        rig = rig.replacen(from, to, 1);
+    }
+    rig
+}
+
+#[test]
+fn runs_that_cannot_be_carried_out_are_refused_before_they_begin() {
+    let folder = tempdir().expect("a folder");
+    std::fs::write(folder.path().join("rig.toml"), few_beads(&[])).expect("written");
+    let shown = |args: &[&str]| refused(folder.path(), args);
+    let simulate = |more: &[&str]| shown(&[&["simulate", "rig.toml"], more].concat());
+    assert!(simulate(&["--speeds", "0"]).contains("0.001 to 10000 rpm"));
+    assert!(simulate(&["--speeds", "nan"]).contains("NaN rpm"));
+    assert!(simulate(&["--speeds", "20,20"]).contains("20 rpm stands twice"));
+    assert!(simulate(&["--frames", "0"]).contains("0 frames"));
+    assert!(simulate(&["--width", "0"]).contains("16384 pixels"));
+    let export = |more: &[&str]| shown(&[&["export", "rig.toml", "--to", "lammps"], more].concat());
+    assert!(export(&["--speeds=-5,30"]).contains("-5 rpm"));
+    assert!(export(&["--times", "1,1"]).contains("times of frames that rise"));
+    assert!(export(&["--approach-turns", "1e300"]).contains("1000 turns"));
+    let misspelt = few_beads(&[("[particles]", "[particels]")]);
+    std::fs::write(folder.path().join("rig.toml"), misspelt).expect("written");
+    let said = simulate(&[]);
+    assert!(said.contains("`particels`") && said.contains("`particles` is missing"), "{said}");
+    let rings = "ring_tablet = { ring_spheres = 1000000000, sphere_radius_m = 0.002, ring_radius_m = 0.002 }";
+    let text = few_beads(&[]);
+    let at = text.find("sphere = {").expect("a sphere");
+    let shape = &text[at..=at + text[at..].find('}').expect("its end")];
+    std::fs::write(folder.path().join("rig.toml"), few_beads(&[(shape, rings)])).expect("written");
+    assert!(shown(&["simulate", "rig.toml"]).contains("3 to 200 spheres"));
+}
+
+#[test]
+fn loops_that_cannot_be_closed_are_refused_before_they_begin() {
+    let folder = tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    };
+    let drum = fixture("demo/drum.toml");
+    write("case.toml", &drum);
+    write("measured.csv", &fixture("demo/measured.csv"));
+    let shown =
+        |more: &[&str]| refused(folder.path(), &[&["close-loop", "case.toml"], more].concat());
+    assert!(shown(&["--bootstrap", "49"]).contains("below 99"));
+    assert!(shown(&["--predict", "800"]).contains("Froude number 1"));
+    let with = |more: &str| {
+        let end = drum.find("[holdout]").expect("held-out speeds");
+        let rest = drum.find("[simulator.rig]").expect("a simulator");
+        write("case.toml", &format!("{}{more}{}", &drum[..end], &drum[rest..]));
+        shown(&[])
+    };
+    assert!(with("[holdout]\nspeeds_rpm = [41.0]\n").contains("41 rpm, which was not measured"));
+    let both = "[catalogue]\nonly = [\"rolling.pp\"]\nwithout = [\"rolling.pp\"]\n";
+    assert!(with(both).contains("asked for and left out"));
+    assert!(with("[catalogue]\nonly = []\n").contains("names no effect"));
+}

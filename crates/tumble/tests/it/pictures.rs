@@ -106,6 +106,13 @@ fn nothing_but_bad_files_fails_and_says_why() {
     assert!(!out.status.success());
     assert!(stderr(&out).contains("text.png"), "{}", stderr(&out));
     assert!(!stderr(&out).contains("panicked"), "{}", stderr(&out));
+    // What an earlier call has measured does not stand beside it.
+    let old = folder.path().join("o").join("responses.csv");
+    std::fs::write(&old, "omega_rpm\n30\n").expect("written");
+    tumble(folder.path(), &["measure", "text.png", "--speed", "45", "--out", "o"]);
+    assert!(!old.exists());
+    let out = tumble(folder.path(), &["measure", "text.png", "nowhere", "--out", "o"]);
+    assert!(stderr(&out).contains("nowhere does not exist"), "{}", stderr(&out));
 }
 
 #[test]
@@ -134,6 +141,18 @@ fn film_draws_a_picture_for_every_frame_of_a_table() {
     let out = tumble(folder.path(), &["measure", "o", "--out", "m"]);
     let said = String::from_utf8_lossy(&out.stdout).into_owned() + &stderr(&out);
     assert!(said.contains("frame_00000") && !said.contains("preview"), "{said}");
+
+    // Another film, of one frame, leaves none of this one behind; millimetres are no metres.
+    let one = "frame,x,y,z,radius\n0,0,-0.06,0,0.008\n";
+    std::fs::write(folder.path().join("positions.csv"), one).expect("written");
+    let again = [&film[..], &["--width", "300", "--out", "o"]].concat();
+    assert!(tumble(folder.path(), &again).status.success());
+    assert!(!folder.path().join("o").join("frame_00002.png").exists());
+    let far = "frame,x,y,z,radius\n0,0,-60,0,8\n";
+    std::fs::write(folder.path().join("positions.csv"), far).expect("written");
+    let out = tumble(folder.path(), &again);
+    assert!(!out.status.success() && stderr(&out).contains("outside the drum"), "{}", stderr(&out));
+    assert!(folder.path().join("o").join("frame_00000.png").exists());
 
     std::fs::write(folder.path().join("positions.csv"), "frame,x,y,z,radius\n0,0,zero,0,0.01\n")
         .expect("written");
