@@ -177,8 +177,7 @@ struct FreeSpec {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NuisanceSpec {
-    #[serde(default)]
-    mean: f64,
+    mean: Option<f64>,
     sd: f64,
     reason: String,
 }
@@ -406,19 +405,17 @@ fn take_nuisance(doc: &mut Document<'_>) -> Result<Vec<Nuisance>, SchemaError> {
     for leaf in leaves(doc, entry)? {
         let span = leaf.value.span();
         let spec: NuisanceSpec = doc.convert(leaf.value)?;
-        if !(spec.sd > 0.0 && spec.sd.is_finite() && spec.mean.is_finite()) {
+        let parameter = namespace::find(&leaf.key);
+        let mean = spec.mean.or(parameter.and_then(|p| p.nominal)).unwrap_or(0.0);
+        let possible = parameter.map_or(mean.is_finite(), |p| p.accepts(mean));
+        if !(spec.sd > 0.0 && spec.sd.is_finite() && possible) {
             return Err(doc.error(
                 span,
-                format!("the prior of `{}` is no normal distribution", leaf.key),
-                "a finite mean and sd above 0",
+                format!("the prior of `{}` cannot be", leaf.key),
+                "a mean within the parameter's range and sd above 0",
             ));
         }
-        nuisance.push(Nuisance {
-            path: leaf.key,
-            mean: spec.mean,
-            sd: spec.sd,
-            reason: spec.reason,
-        });
+        nuisance.push(Nuisance { path: leaf.key, mean, sd: spec.sd, reason: spec.reason });
     }
     Ok(nuisance)
 }

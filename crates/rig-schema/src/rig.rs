@@ -348,6 +348,10 @@ impl Rig {
                 "either fill.count or fill.mass_kg",
             ));
         }
+        if let Some(count) = settings.given("fill.count").filter(|n| n.fract() != 0.0) {
+            let what = format!("`fill.count` is {count}");
+            return Err(doc.error(0..0, what, "a whole number of particles"));
+        }
         Ok(Self {
             name,
             title,

@@ -22,9 +22,10 @@ pub(crate) struct Changes<'a> {
 pub(crate) fn liner(file: &str, rig: &Rig) -> Result<Option<Vec<u8>>, InputError> {
     let Some(named) = &rig.drum.liner else { return Ok(None) };
     let path = Path::new(file).parent().unwrap_or(Path::new("")).join(named);
-    let read = std::fs::read(&path);
-    let unreadable = |source| InputError::Unreadable { path: path.display().to_string(), source };
-    read.map(Some).map_err(unreadable)
+    std::fs::read(&path).map(Some).map_err(|source| InputError::Run {
+        what: format!("{} cannot be read: {source}", path.display()),
+        expected: "the STL file that drum.liner names, beside the rig".to_owned(),
+    })
 }
 
 /// The rig of a rig file, a case file or a built-in case, with what the arguments change.

@@ -7,6 +7,8 @@ use campaign::drum_rig::{Options, outline};
 use close_loop::{CloseLoop, CloseLoopError, Fidelity, LoopSettings, Pilot};
 use rig_schema::Rig;
 
+use crate::input::InputError;
+
 /// Share of a budget that runs may take; the rest is statistics.
 const SIMULATING: f64 = 0.8;
 
@@ -172,10 +174,11 @@ pub(super) fn fit(jobs: usize, budget: Duration, this: &CloseLoop<'_>) -> anyhow
         }
     }
     let minutes = shortest.unwrap_or(f64::NAN) / 60.0;
-    anyhow::bail!(
-        "the budget is too small: the cheapest plan takes about {minutes:.0} min at {jobs} jobs; \
-         give more time, set `catalogue.only`, or describe a smaller drum"
-    )
+    let what = format!(
+        "the budget is too small: the cheapest plan takes about {minutes:.0} min at {jobs} jobs"
+    );
+    let expected = "more time, fewer effects (`catalogue.only`), or a smaller drum".to_owned();
+    Err(InputError::Run { what, expected }.into())
 }
 
 /// About how long a number of runs takes, s, known before any is made.

@@ -174,3 +174,48 @@ fn roi_writes_a_page_that_holds_the_picture() {
     assert!(!out.status.success());
     assert!(stderr(&out).contains("missing.png"), "{}", stderr(&out));
 }
+
+#[test]
+fn a_drum_lined_with_its_own_cylinder_carries_its_bed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let corner = |k: usize, z: f64| {
+        let a = std::f64::consts::TAU * (k % 48) as f64 / 48.0;
+        format!("vertex {:.6} {:.6} {z}\n", 0.05 * a.cos(), 0.05 * a.sin())
+    };
+    let facet = |three: [String; 3]| {
+        format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", three.concat())
+    };
+    let mut tube = String::from("solid tube\n");
+    for k in 0..48 {
+        let (low, high) = (-0.015, 0.015);
+        tube += &facet([corner(k, low), corner(k + 1, high), corner(k + 1, low)]);
+        tube += &facet([corner(k, low), corner(k, high), corner(k + 1, high)]);
+    }
+    std::fs::write(folder.path().join("tube.stl"), tube + "endsolid tube\n").expect("written");
+    let rig = r#"
+name = "lined"
+drum = { radius_m = 0.05, length_m = 0.03, mantle = "glass", end_plates = "glass", liner = "tube.stl" }
+particles = { material = "glass", shape = { sphere = { diameter_m = 0.007 } } }
+fill.count = 250
+friction = { pp = 0.4, mantle = 0.9 }
+restitution = { pp = 0.6, mantle = 0.6 }
+run = { speeds_rpm = [30.0], frames = 4 }
+[materials]
+glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
+"#;
+    std::fs::write(folder.path().join("rig.toml"), rig).expect("written");
+    let angle = |name: &str| {
+        let out = tumble(folder.path(), &["simulate", name, "--width", "300", "--json"]);
+        assert!(out.status.success(), "{}", stderr(&out));
+        let v: Value = serde_json::from_slice(&out.stdout).expect("JSON");
+        number(&v["responses"][0]["responses"]["aor_lin_deg"]["mean"])
+    };
+    let lined = angle("rig.toml");
+    std::fs::write(folder.path().join("plain.toml"), rig.replace(", liner = \"tube.stl\"", ""))
+        .expect("written");
+    // The same drum but for its facets; four frames of 250 beads scatter by 2 deg.
+    assert!((lined - angle("plain.toml")).abs() < 6.0, "{lined}");
+    std::fs::remove_file(folder.path().join("tube.stl")).expect("removed");
+    let out = tumble(folder.path(), &["simulate", "rig.toml"]);
+    assert!(stderr(&out).contains("tube.stl") && out.status.code() == Some(2), "{}", stderr(&out));
+}
