@@ -255,13 +255,19 @@ impl From<Errata> for ErrataLevel {
     }
 }
 
-fn length(text: &str) -> Result<f64, String> {
+/// A number between two, ends included.
+fn within(text: &str, (low, high): (f64, f64), unit: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if value > 0.0 && value.is_finite() {
+    if (low..=high).contains(&value) {
         Ok(value)
     } else {
-        Err(format!("{value} is not a length above 0 m"))
+        Err(format!("{value} is not between {low} and {high} {unit}"))
     }
+}
+
+/// A length of a drum.
+fn length(text: &str) -> Result<f64, String> {
+    within(text, (1e-4, 1e3), "m")
 }
 
 /// Widths of frames that can be read, pixels.

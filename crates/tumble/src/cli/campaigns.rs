@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::path_value;
+use super::{path_value, within};
+
+/// A day, s.
+const DAY_S: f64 = 86_400.0;
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
@@ -120,29 +123,15 @@ pub(crate) struct ExportArgs {
 }
 
 fn turns(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if (0.0..=1000.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("{value} is not between 0 and 1000 turns"))
-    }
+    within(text, (0.0, 1000.0), "turns")
 }
 
+/// A time in a film.
 fn time(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if value > 0.0 && value <= 86_400.0 {
-        Ok(value)
-    } else {
-        Err(format!("{value} is not above 0 and at most 86400 s"))
-    }
+    within(text, (1e-6, DAY_S), "s")
 }
 
+/// A time between checkpoints: beyond a day one is none.
 fn seconds(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    // Beyond a day a checkpoint is none.
-    if (0.0..=86_400.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("{value} is not between 0 and 86400 s"))
-    }
+    within(text, (0.0, DAY_S), "s")
 }
