@@ -38,6 +38,13 @@ pub(crate) struct Place<'m> {
     trial: Trial,
 }
 
+impl Place<'_> {
+    /// Whether runs are better spent elsewhere: it does not fit, ignorance included.
+    pub(crate) fn is_forlorn(&self) -> bool {
+        self.trial.p <= FORLORN
+    }
+}
+
 /// Where runs may go.
 pub(crate) struct Outlook<'m> {
     /// Places that may explain the data, best deviance first.
@@ -122,8 +129,7 @@ impl State<'_> {
             far.extend(hopeful.into_iter().map(place).find(unseen));
         }
         places.sort_by(|a, b| {
-            let forlorn = |p: &Place<'_>| p.trial.p <= FORLORN;
-            forlorn(a).cmp(&forlorn(b)).then(a.trial.deviance.total_cmp(&b.trial.deviance))
+            a.is_forlorn().cmp(&b.is_forlorn()).then(a.trial.deviance.total_cmp(&b.trial.deviance))
         });
         let turn = |p: &Place<'_>| {
             let own = std::slice::from_ref(p.effect);
