@@ -368,6 +368,8 @@ impl CloseLoop<'_> {
         } else {
             self.sharpen(&mut state, (4, 3), &quick, watch)?
         };
+        let spare = if finding.verdict == Verdict::None { state.spare(2) } else { 0 };
+        let finding = state.prove(finding, spare, &self.settings.attribution, watch)?;
         Ok((state, finding))
     }
 }

@@ -12,6 +12,7 @@ pub use {calib, campaign, rig_schema};
 mod anchors;
 mod calibrate;
 mod catalogue;
+mod claims;
 mod clock;
 mod closest;
 mod coded;
@@ -22,6 +23,8 @@ mod curve;
 mod driver;
 mod emulator;
 mod error;
+#[cfg(test)]
+mod fixture;
 mod ignorance;
 mod models;
 mod next;

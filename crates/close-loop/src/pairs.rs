@@ -268,66 +268,22 @@ impl State<'_> {
 #[cfg(test)]
 mod tests {
     use campaign::{Laboratory, Sampling};
-    use rig_schema::{Case, MeasuredTable};
 
     use super::*;
-    use crate::driver::CloseLoop;
-    use crate::plan::{Effort, LoopSettings, Setup};
-    use crate::runs::Runs;
+    use crate::fixture::{FRICTIONS, nothing_known, run};
 
-    const CASE: &str = r#"
-name = "pairs"
-drum = { radius_m = 0.03, length_m = 0.02, mantle = "glass", end_plates = "glass", ends = "periodic" }
-particles = { material = "glass", shape = { sphere = { diameter_m = 0.004 } } }
-fill.count = 420
-friction = { pp = 0.5, mantle = 0.8 }
-restitution = { pp = 0.6, mantle = 0.6 }
-rolling = { pp = 0.01, mantle = 0.01 }
-run = { speeds_rpm = [50.0, 80.0], frames = 6 }
-[data]
-responses = "measured.csv"
-[free]
-friction.pp = { range = [0.2, 0.8] }
-[simulator.rig]
-coarse = false
-[materials]
-glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
-"#;
-
-    const TABLE: &str = "\
-omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_eff
-50,30,1,31,1,10,0.5,15,0.5,20
-80,30,1,31,1,10,0.5,15,0.5,20
-";
-
-    fn nothing_known(lab: &Laboratory) -> State<'_> {
-        let case = Case::parse("case.toml", CASE).unwrap();
-        let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
-        let settings = LoopSettings::default();
-        let (case, measured, settings) = (&case, &measured, &settings);
-        let setup = Setup::new(&CloseLoop { case, measured, loads: &[], lab, settings }).unwrap();
-        let runs = Runs::new(lab, (setup.cast, Vec::new()), 1);
-        State::new(setup, Effort::nothing(), (0, None), runs)
-    }
+    const ROW: &str = "30,1,31,1,10,0.5,15,0.5,20";
 
     #[test]
     fn what_two_effects_do_together_is_unknown_until_somebody_has_run_both() {
         let folder = tempfile::tempdir().unwrap();
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
-        let mut state = nothing_known(&lab);
+        let mut state = nothing_known(&lab, "", ROW);
         let run = |friction: f64, strengths: &[f64], more: f64| {
-            let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-3));
             let lin = 30.0 + 6.0 * (friction / 0.5).ln() + more;
-            Sample {
-                at: [friction].iter().chain(strengths).copied().collect(),
-                mean: vec![[lin, lin + 1.0, 10.0, 15.0]; 2],
-                covariance: vec![noise; 2],
-                variance: vec![[0.1; 4]; 2],
-                excess: vec![0.0],
-            }
+            run(friction, strengths, [lin, lin + 1.0, 10.0, 15.0])
         };
-        let frictions = [0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7];
-        state.base = frictions.iter().map(|f| run(*f, &[], 0.0)).collect();
+        state.base = FRICTIONS.iter().map(|f| run(*f, &[], 0.0)).collect();
         let [a, b, camera] = ["cohesion.energy_density_j_m3", "speed.scale", "camera.roll_deg"];
         let does = |s: f64| s / 1000.0;
         let cohesive = [2000.0, 4000.0, 6000.0].map(|s| run(0.5, &[s], does(s)));
@@ -361,16 +317,10 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
     fn fresh_runs_that_refute_a_pair_are_what_its_model_is_first_made_of() {
         let folder = tempfile::tempdir().unwrap();
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
-        let mut state = nothing_known(&lab);
+        let mut state = nothing_known(&lab, "", ROW);
         let physics = ["cohesion.energy_density_j_m3", "speed.scale"].map(str::to_owned);
         let reading = ["cohesion.energy_density_j_m3", "camera.roll_deg"].map(str::to_owned);
-        let run = Sample {
-            at: vec![0.5, 6000.0, 1.2],
-            mean: vec![[30.0, 31.0, 10.0, 15.0]; 2],
-            covariance: vec![[[0.1; 4]; 4]; 2],
-            variance: vec![[1.0; 4]; 2],
-            excess: vec![0.0],
-        };
+        let run = run(0.5, &[6000.0, 1.2], [30.0, 31.0, 10.0, 15.0]);
         // Nothing to learn from a drum that failed, nor of a reading, which no particles show.
         for (names, own) in [(&physics, vec![]), (&reading, vec![run.clone()])] {
             let learned = (names.to_vec(), own);

@@ -37,7 +37,7 @@ const LOOKS: [(usize, bool); 5] = [
 ];
 
 /// How near, coded units.
-const NEAR: f64 = 0.5;
+pub(crate) const NEAR: f64 = 0.5;
 
 /// Least distance of two points of an effect that are run together, coded units.
 const APART: f64 = 0.9;
@@ -190,7 +190,7 @@ impl State<'_> {
     }
 
     /// The nearest point of a grid, so that loops on the same rig share runs; one with the effect, not without.
-    fn on_grid(&self, effect: &Effect, at: &[f64]) -> Vec<f64> {
+    pub(crate) fn on_grid(&self, effect: &Effect, at: &[f64]) -> Vec<f64> {
         let Some((strength, theta)) = at.split_last() else { return Vec::new() };
         let mut point = self.snap(theta);
         let axes = self.effect_axes(effect);
@@ -244,12 +244,9 @@ fn end(effect: &Effect, known: &[f64], failed: f64, sure: bool) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use campaign::{Laboratory, Sampling};
-    use rig_schema::{Case, MeasuredTable};
 
     use super::*;
-    use crate::driver::CloseLoop;
-    use crate::plan::{Effort, LoopSettings, Setup};
-    use crate::runs::Runs;
+    use crate::fixture::{FRICTIONS, nothing_known, run};
     use crate::scale::Scale;
 
     #[test]
@@ -271,59 +268,19 @@ mod tests {
         assert!(low.is_some_and(|l| (l - 0.5).abs() < 1e-12), "{low:?}");
     }
 
-    const CASE: &str = r#"
-name = "looks"
-drum = { radius_m = 0.03, length_m = 0.02, mantle = "glass", end_plates = "glass", ends = "periodic" }
-particles = { material = "glass", shape = { sphere = { diameter_m = 0.004 } } }
-fill.count = 420
-friction = { pp = 0.5, mantle = 0.8 }
-restitution = { pp = 0.6, mantle = 0.6 }
-rolling = { pp = 0.01, mantle = 0.01 }
-run = { speeds_rpm = [50.0, 80.0], frames = 6 }
-[data]
-responses = "measured.csv"
-[catalogue]
-only = ["cohesion.energy_density_j_m3", "speed.scale"]
-[free]
-friction.pp = { range = [0.2, 0.8] }
-[simulator.rig]
-coarse = false
-[materials]
-glass = { density_kg_m3 = 2500.0, poisson_ratio = 0.29, shear_modulus_pa = 1e5 }
-"#;
-
-    const TABLE: &str = "\
-omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y_pct,cen_y_sd,n_eff
-50,36,0.3,34,0.3,10,0.1,15,0.1,20
-80,36,0.3,34,0.3,10,0.1,15,0.1,20
-";
-
     #[test]
     fn what_may_be_right_is_told_before_the_valley_of_what_is_not() {
         let folder = tempfile::tempdir().unwrap();
         let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
-        let case = Case::parse("case.toml", CASE).unwrap();
-        let measured = MeasuredTable::parse("measured.csv", TABLE).unwrap();
-        let settings = LoopSettings::default();
-        let (case, measured, settings) = (&case, &measured, &settings);
-        let setup =
-            Setup::new(&CloseLoop { case, measured, loads: &[], lab: &lab, settings }).unwrap();
-        let runs = Runs::new(&lab, (setup.cast, Vec::new()), 1);
-        let mut state = State::new(setup, Effort::nothing(), (0, None), runs);
+        let only = r#"[catalogue]
+only = ["cohesion.energy_density_j_m3", "speed.scale"]"#;
+        let mut state = nothing_known(&lab, only, "36,0.3,34,0.3,10,0.1,15,0.1,20");
         // Friction steepens both lines; cohesion the whole line alone, as was measured; a wrong speed does something else.
-        let run = |friction: f64, strength: Option<f64>, (more, across): (f64, f64)| {
-            let noise = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-3));
+        let run = |friction: f64, strengths: &[f64], (more, across): (f64, f64)| {
             let lin = 34.0 + 6.0 * (friction / 0.5).ln();
-            Sample {
-                at: [friction].into_iter().chain(strength).collect(),
-                mean: vec![[lin + more, lin, 10.0 + across, 15.0]; 2],
-                covariance: vec![noise; 2],
-                variance: vec![[0.1; 4]; 2],
-                excess: vec![0.0],
-            }
+            run(friction, strengths, [lin + more, lin, 10.0 + across, 15.0])
         };
-        let frictions = [0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7];
-        state.base = frictions.iter().map(|f| run(*f, None, (0.0, 0.0))).collect();
+        state.base = FRICTIONS.iter().map(|f| run(*f, &[], (0.0, 0.0))).collect();
         state.theta = vec![0.5];
         let does = |path: &str, s: f64| match path {
             "speed.scale" => (s - 1.0, 4.0 * (s - 1.0)),
@@ -332,18 +289,18 @@ omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_x_pct,cen_x_sd,cen_y
         for (path, strengths) in
             [("cohesion.energy_density_j_m3", [2000.0, 4000.0]), ("speed.scale", [1.1, 1.2])]
         {
-            let own = strengths.map(|s| run(0.5, Some(s), does(path, s)));
+            let own = strengths.map(|s| run(0.5, &[s], does(path, s)));
             state.effects.insert(path.to_owned(), own.to_vec());
         }
         let mut looks = Vec::new();
         loop {
-            let asked = state.doubtful(2, &settings.attribution).unwrap();
+            let asked = state.doubtful(2, &Settings::default()).unwrap();
             if asked.is_empty() || looks.len() > 20 {
                 break;
             }
             for Asked { effects, at } in asked {
                 let path = &effects[0].path;
-                let own = run(at[0], Some(at[1]), does(path, at[1]));
+                let own = run(at[0], &at[1..], does(path, at[1]));
                 state.effects.entry(path.clone()).or_default().push(own);
                 looks.push((path.clone(), at));
             }

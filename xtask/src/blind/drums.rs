@@ -13,7 +13,10 @@ pub(crate) struct Dose {
     pub(crate) law: &'static str,
 }
 
-/// Eight effects, seven of them physical. (A cohesion of 12 kJ/m3 crushes these soft beads: there is no measurement.)
+/// Eight effects, seven of them physical. (A cohesion of 12 kJ/m3 crushes these soft beads: there is no measurement. A kinetic
+/// friction below the static one was among the eight until it turned out that these measurements do not hold it: a bed that
+/// flows knows of both only their product. Drums of 0.45 with 0.4 and 0.5 of it, of 0.3 with 0.7 of it calibrate to 0.18, 0.24
+/// and 0.20 and lack nothing. A smooth wall is in its place, weaker and stronger than what a drum that lacks nothing shows.)
 pub(crate) const DOSES: [Dose; 8] = [
     Dose { path: "rolling.pp", weak: 0.06, strong: 0.15, along: &["rolling.mantle"], law: "" },
     Dose {
@@ -23,7 +26,7 @@ pub(crate) const DOSES: [Dose; 8] = [
         along: &[],
         law: "contact = { cohesion = \"simplified_jkr\" }",
     },
-    Dose { path: "friction.kinetic_ratio", weak: 0.7, strong: 0.5, along: &[], law: "" },
+    Dose { path: "friction.mantle", weak: 0.3, strong: 0.15, along: &[], law: "" },
     Dose { path: "fill.scale", weak: 0.9, strong: 1.15, along: &[], law: "" },
     Dose { path: "wall_layer.thickness_m", weak: 0.0015, strong: 0.003, along: &[], law: "" },
     Dose { path: "shape.aspect_ratio", weak: 1.2, strong: 1.5, along: &[], law: "" },
@@ -78,6 +81,7 @@ fn second() -> Vec<Truth> {
     let rolling = "rolling.pp";
     let cohesion = "cohesion.energy_density_j_m3";
     let (fill, layer, speed) = ("fill.scale", "wall_layer.thickness_m", "speed.scale");
+    let smooth = "friction.mantle";
     let other = "liggghts";
     vec![
         truth("single", other, 0.3, &[(rolling, 0.06)]),
@@ -90,14 +94,14 @@ fn second() -> Vec<Truth> {
         truth("single", other, 0.45, &[(speed, 0.75)]),
         truth("single", other, 0.3, &[("camera.roll_deg", -4.0)]),
         truth("single", "tumble", 0.3, &[(cohesion, 9000.0)]),
-        truth("single", "tumble", 0.45, &[("friction.kinetic_ratio", 0.4)]),
+        truth("single", "tumble", 0.45, &[(smooth, 0.2)]),
         truth("null", other, 0.3, &[]),
         truth("null", other, 0.45, &[]),
         truth("removed", other, 0.45, &[(rolling, 0.15)]),
         truth("removed", other, 0.3, &[(fill, 1.15)]),
         truth("removed", "tumble", 0.3, &[("shape.aspect_ratio", 1.5)]),
         truth("removed", "tumble", 0.45, &[(speed, 1.35)]),
-        truth("pair", "tumble", 0.3, &[("friction.kinetic_ratio", 0.5), (fill, 1.15)]),
+        truth("pair", "tumble", 0.3, &[(smooth, 0.15), (fill, 1.15)]),
         truth("pair", "tumble", 0.45, &[(rolling, 0.15), ("camera.roll_deg", -4.0)]),
     ]
 }

@@ -24,6 +24,7 @@ impl Default for Variation {
 }
 
 /// Observations with the part of their covariance that no model changes.
+#[derive(Clone)]
 pub(super) struct Data {
     pub(super) items: Vec<Observation>,
     pub(super) points: Vec<OperatingPoint>,
@@ -91,6 +92,11 @@ impl Data {
 
     pub(super) fn len(&self) -> usize {
         self.items.len()
+    }
+
+    /// The same with other values.
+    pub(super) fn with(&self, y: Vec<f64>) -> Self {
+        Self { y, ..self.clone() }
     }
 
     /// The items' elements of a vector over (operating point, response).

@@ -229,6 +229,9 @@ pub struct Detectable {
     /// Strength that the gate would show with the power asked for; `None` if not even the end
     /// of the range.
     pub strength: Option<f64>,
+    /// Free parameters of the drum with that strength which calibrates to what these data calibrate to; with that of the end of
+    /// the range if not even it would be seen.
+    pub at: Vec<f64>,
     /// Power at the end of the range.
     pub power_at_end: f64,
 }

@@ -390,21 +390,26 @@ fn detectable(o: &Outcome) -> Section {
         .detectable
         .iter()
         .map(|d| {
+            let free = o.calibrated.iter().zip(&d.at);
+            let at: Vec<String> = free.map(|((p, ..), v)| format!("{p} = {}", short(*v))).collect();
             Row::new(vec![
                 d.name.clone(),
                 short(d.towards),
                 d.strength.map_or_else(|| "not within its range".to_owned(), short),
+                at.join(", "),
                 format!("{:.0} %", 100.0 * d.power_at_end),
             ])
         })
         .collect();
     if !rows.is_empty() {
         section.blocks.push(Block::Table(Table {
-            caption: "Smallest strength that these data would show nine times in ten".to_owned(),
+            caption: "Smallest strength that these data would show nine times in ten, in the drum that would hide it best"
+                .to_owned(),
             columns: vec![
                 Column::text("effect"),
                 Column::number("towards", ""),
                 Column::number("strength", ""),
+                Column::text("with"),
                 Column::number("power at the end of the range", ""),
             ],
             rows,

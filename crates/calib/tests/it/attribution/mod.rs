@@ -2,6 +2,7 @@
 
 mod cases;
 mod faults;
+mod hidden;
 mod linear;
 mod loads;
 mod optima;
