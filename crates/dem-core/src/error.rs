@@ -72,9 +72,9 @@ pub enum Error {
         /// Largest ratio supported.
         limit: f64,
     },
-    /// The time step exceeds a stability limit that was not lifted.
+    /// The time step exceeds a stability limit that was not lifted (by `allow_large_time_step` of the builder).
     #[error(
-        "time step {time_step:e} s exceeds {fraction} of the {criterion} time {limit:e} s: reduce it, or allow it with `allow_large_time_step`"
+        "time step {time_step:e} s exceeds {fraction} of the {criterion} time {limit:e} s: reduce it"
     )]
     TimeStepTooLarge {
         /// The step asked for, s.
@@ -219,7 +219,9 @@ pub enum FaultKind {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Cause {
     /// The particle moves further in a step than contacts can resolve.
-    #[error("it moves {radii_per_step:.3} radii a step: the time step is too long")]
+    #[error(
+        "it moves {radii_per_step:.3} radii a step: the time step is too long, or, where the step follows from the stiffness, the particles are too soft"
+    )]
     TimeStep {
         /// Distance travelled in one step over the radius.
         radii_per_step: f64,

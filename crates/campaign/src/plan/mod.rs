@@ -40,4 +40,4 @@ pub use result::{
     Effort, Failure, FailureClass, Responses, RowOutcome, RowResult, Seen, Simulated, SpeedResult,
 };
 pub use runner::{Event, RunOptions, Summary};
-pub use scheduler::{Call, gnu_parallel, slurm, snakemake};
+pub use scheduler::{Call, gnu_parallel, quoted, slurm, snakemake};

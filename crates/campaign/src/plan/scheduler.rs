@@ -26,7 +26,11 @@ impl Call {
 }
 
 /// A word as a POSIX shell takes it.
-fn quoted(word: &str) -> String {
+///
+/// ```
+/// assert_eq!(campaign::plan::quoted("out/a b"), "'out/a b'");
+/// ```
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         return word.to_owned();

@@ -169,3 +169,31 @@ fn silhouettes_are_measured_with_the_circle_of_a_reference_picture() {
         assert!((found.value - drawn).abs() < 0.15, "{found:?} against {drawn}");
     }
 }
+
+#[test]
+fn the_books_file_holds_every_setting_at_its_default() {
+    let book =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/files/measure.toml");
+    let Ok(text) = std::fs::read_to_string(book) else {
+        println!("skipped: the crate stands outside its repository, docs/ is absent");
+        return;
+    };
+    assert_eq!(VisionConfig::from_toml(&text).unwrap(), VisionConfig::default());
+    // Those without a default too: they have a line that is commented out.
+    let mut all = VisionConfig::thesis();
+    all.drum.radius_range_px = Some([1.0, 2.0]);
+    all.drum.red.median_px = Some(3);
+    all.rig.speed_rpm = Some(1.0);
+    all.rig.drum_radius_m = Some(1.0);
+    all.rig.particle_diameter_m = Some(1.0);
+    let every = toml::to_string(&all).unwrap();
+    let key = |line: &str| {
+        let (name, _) = line.trim_start_matches("# ").split_once(" = ")?;
+        Some(name.to_owned())
+    };
+    let told: Vec<String> = text.lines().filter_map(key).collect();
+    for name in every.lines().filter_map(key).filter(|k| k != "level") {
+        assert!(told.contains(&name), "{name}");
+    }
+    assert!(told.len() > 30, "{told:?}");
+}

@@ -12,7 +12,7 @@ use campaign::Resolution;
 use campaign::drum_rig::Coarsening;
 use campaign::plan::{
     Call, Campaign, Collected, Event, Freeze, Manifest, RowState, RunOptions, Summary,
-    gnu_parallel, slurm, snakemake,
+    gnu_parallel, quoted, slurm, snakemake,
 };
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -219,7 +219,7 @@ fn script(campaign: &Campaign, args: &RunArgs) -> anyhow::Result<()> {
         ("Snakefile", snakemake(campaign.manifest(), &call), "snakemake --cores all --snakefile")
     };
     let path = output::write(campaign.folder(), name, &text)?;
-    println!("{use_it} {}", path.display());
+    println!("{use_it} {}", quoted(&path.display().to_string()));
     Ok(())
 }
 

@@ -93,6 +93,12 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         })?;
         Experiment::resume(&rig, &options, &bytes)?
     } else {
+        if kept.exists() {
+            eprintln!(
+                "begun anew: {} of an interrupted run is not used (--resume goes on with it)",
+                kept.display()
+            );
+        }
         Experiment::new(&rig, &options)?
     };
     let first_step = drum.progress().steps;
@@ -259,7 +265,11 @@ fn speed(steady: &Sampled, seen: &Observed) -> Speed {
     Speed {
         omega_rpm: steady.speed_rpm,
         froude: steady.froude,
-        regime: format!("{:?}", steady.regime),
+        // As `measure` names it from the same pictures; by the Froude number alone where none could be measured.
+        regime: seen
+            .report
+            .regime
+            .map_or_else(|| format!("{:?}", steady.regime), |r| format!("{r:?}")),
         revolutions: steady.revolutions,
         steady_from_s: steady.steady_from_s,
         torque_n_m: steady.torque.mean,

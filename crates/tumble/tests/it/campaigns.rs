@@ -132,6 +132,9 @@ fn schedulers_get_their_scripts() {
     // The paths in it are whole: a scheduler starts elsewhere.
     let whole = folder.path().join("plan.toml").display().to_string();
     assert!(slurm.contains(&whole), "{slurm}");
+    // What is printed can be pasted, whatever the folder is called.
+    let said = fine(folder.path(), &["run", "plan.toml", "--out", "my runs", "--slurm"]);
+    assert_eq!(said.trim(), "sbatch 'my runs/campaign.slurm'");
     assert!(script("--parallel", "campaign.sh").contains("seq 0 2 | parallel"));
     assert!(script("--snakemake", "Snakefile").contains("rule table"));
 }
