@@ -97,7 +97,7 @@ pub(super) fn classes(
 /// would see with the power asked for.
 ///
 /// A drum with the effect is asked for that calibrates to the very point that these data calibrate to: for every strength the
-/// frictions are those that hide it best ([`hidden`]), not those that were found without it. (Kinetic friction of half the
+/// frictions are those that hide it best, not those that were found without it. (Kinetic friction of half the
 /// static one at 0.45 reads as 0.24: whoever takes 0.24 for given would see half of it.) The chi-square that is left once
 /// friction is refitted is the non-centrality. An effect that is seen only by the omnibus part is smaller yet: the strength is
 /// on the safe side.
