@@ -341,16 +341,12 @@ impl Rig {
         check_drum(doc, &drum, &materials)?;
         check_particles(doc, &particles, &materials)?;
         check_run(doc, &run)?;
-        if settings.given("fill.count").is_some() == settings.given("fill.mass_kg").is_some() {
+        if settings.given("fill.count").or(settings.given("fill.mass_kg")).is_none() {
             return Err(doc.error(
                 0..0,
-                "the fill is given twice or not at all",
+                "the fill is not given",
                 "either fill.count or fill.mass_kg",
             ));
-        }
-        if let Some(count) = settings.given("fill.count").filter(|n| n.fract() != 0.0) {
-            let what = format!("`fill.count` is {count}");
-            return Err(doc.error(0..0, what, "a whole number of particles"));
         }
         Ok(Self {
             name,

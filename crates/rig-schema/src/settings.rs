@@ -71,12 +71,21 @@ impl Settings {
                     .ok_or_else(|| {
                         let (low, high) = parameter.range;
                         doc.error(
-                            span,
+                            span.clone(),
                             format!("`{path}` is not a number in its range"),
                             format!("expected {low} to {high} {}", unit(parameter)),
                         )
                     })?;
+                if path == "fill.count" && value.fract() != 0.0 {
+                    let what = format!("`fill.count` is {value}");
+                    return Err(doc.error(span, what, "a whole number of particles"));
+                }
                 settings.given.insert(parameter.path, value);
+                let fill = ["fill.count", "fill.mass_kg"];
+                if fill.contains(&&path[..]) && fill.iter().all(|p| settings.given(p).is_some()) {
+                    let expected = "either fill.count or fill.mass_kg";
+                    return Err(doc.error(entry.key_span, "the fill is given twice", expected));
+                }
             }
         }
         Ok(settings)

@@ -220,8 +220,8 @@ pub(crate) struct CalibrateArgs {
     /// Errata applied to the tables of a built-in case.
     #[arg(long, value_enum, default_value_t = Errata::Certain)]
     pub(crate) errata: Errata,
-    /// Draws of the parametric bootstrap.
-    #[arg(long, default_value_t = 1000)]
+    /// Draws of the parametric bootstrap, a million at most.
+    #[arg(long, default_value_t = 1000, value_parser = draws)]
     pub(crate) bootstrap: usize,
     /// Seed of the bootstrap.
     #[arg(long, default_value_t = 1)]
@@ -268,6 +268,16 @@ fn within(text: &str, (low, high): (f64, f64), unit: &str) -> Result<f64, String
 /// A length of a drum.
 fn length(text: &str) -> Result<f64, String> {
     within(text, (1e-4, 1e3), "m")
+}
+
+/// Draws of a bootstrap.
+fn draws(text: &str) -> Result<usize, String> {
+    let value: usize = text.parse().map_err(|_| format!("`{text}` is not a number of draws"))?;
+    if value <= 1_000_000 {
+        Ok(value)
+    } else {
+        Err(format!("{value} is not within 0 to 1000000 draws"))
+    }
 }
 
 /// Widths of frames that can be read, pixels.

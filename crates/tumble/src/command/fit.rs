@@ -10,7 +10,7 @@ use rig_schema::{Response, SimulatedTable};
 use serde::Serialize;
 
 use crate::cli::FitArgs;
-use crate::input;
+use crate::input::{self, InputError};
 use crate::output;
 use crate::report::diagnostics::{diagnostics, p_value, quality};
 
@@ -98,6 +98,10 @@ pub(crate) fn run(args: &FitArgs) -> anyhow::Result<()> {
         rows.push(quality(r, &fit));
         logs.push(line(r, &fit, &removed));
         surfaces.push(surface(r, &fit, removed)?);
+    }
+    if surfaces.is_empty() {
+        let what = "no row holds a response; expected numbers in one of their columns at least";
+        return Err(InputError::Case { file: table.file, what: what.to_owned() }.into());
     }
     let report = CalibrationReport {
         case: name.clone(),

@@ -228,12 +228,45 @@ fn runs_that_cannot_be_carried_out_are_refused_before_they_begin() {
     std::fs::write(folder.path().join("rig.toml"), misspelt).expect("written");
     let said = simulate(&[]);
     assert!(said.contains("`particels`") && said.contains("`particles` is missing"), "{said}");
+    for (fill, says) in [
+        ("count = 560\nmass_kg = 0.1", "the fill is given twice"),
+        ("count = 56.5", "a whole number of particles"),
+    ] {
+        let rig = few_beads(&[("count = 560", fill)]);
+        std::fs::write(folder.path().join("rig.toml"), rig).expect("written");
+        let said = simulate(&[]);
+        let line = 26 + fill.lines().count() - 1;
+        assert!(said.contains(says) && said.contains(&format!("rig.toml:{line}:")), "{said}");
+    }
     let rings = "ring_tablet = { ring_spheres = 1000000000, sphere_radius_m = 0.002, ring_radius_m = 0.002 }";
     let text = few_beads(&[]);
     let at = text.find("sphere = {").expect("a sphere");
     let shape = &text[at..=at + text[at..].find('}').expect("its end")];
     std::fs::write(folder.path().join("rig.toml"), few_beads(&[(shape, rings)])).expect("written");
     assert!(shown(&["simulate", "rig.toml"]).contains("3 to 200 spheres"));
+}
+
+#[test]
+fn a_table_without_responses_and_too_many_draws_are_refused() {
+    let folder = tempdir().expect("a folder");
+    let table = fixture("thesis/tables/edem_AZ4_Steel.csv");
+    let head = table.lines().find(|l| l.starts_with("run,")).expect("a header");
+    let columns: Vec<&str> = head.split(',').collect();
+    let row = |run: usize| -> String {
+        let cell = |name: &&str| match *name {
+            "run" => run.to_string(),
+            "omega_rpm" => "15".to_owned(),
+            c if c.starts_with("mu_") => "0.3".to_owned(),
+            _ => String::new(),
+        };
+        columns.iter().map(cell).collect::<Vec<_>>().join(",")
+    };
+    let text = format!("{head}\n{}\n{}\n", row(0), row(1));
+    std::fs::write(folder.path().join("blank.csv"), text).expect("written");
+    let said = refused(folder.path(), &["fit", "blank.csv"]);
+    assert!(said.contains("blank.csv") && said.contains("no row holds a response"), "{said}");
+    let said = refused(folder.path(), &["calibrate", "AZ4_Steel", "--bootstrap", "4000000000"]);
+    assert!(said.contains("0 to 1000000 draws"), "{said}");
 }
 
 #[test]
