@@ -9,7 +9,6 @@ use calib::CalibError;
 use calib::attribution::{Finding, Settings, Verdict};
 
 use crate::driver::{State, Told, is_simulated};
-use crate::emulator::Emulator;
 use crate::error::CloseLoopError;
 use crate::refine::{Asked, NEAR};
 
@@ -50,18 +49,21 @@ impl State<'_> {
         let base = self.base_model()?;
         let mut open = Vec::new();
         for (path, at) in claims {
+            if open.len() == count {
+                break;
+            }
             let Some(effect) = self.effect(path).filter(|e| is_simulated(e)) else { continue };
             let own = self.seen(std::slice::from_ref(effect));
             let within = at.last().is_some_and(|s| (effect.range.0..=effect.range.1).contains(s));
             if own.is_empty() || !within {
                 continue;
             }
-            let model: Emulator = self.effect_model(&base, effect, own)?;
+            let model = self.effect_model(&base, effect, own)?;
             // However sure a surface is of a place: what is claimed of it is run there.
             let lost = self.lost(std::slice::from_ref(effect)).iter();
             let mut near = own.iter().map(|s| &s.at).chain(lost);
             let known = near.any(|run| model.apart(run, at) < NEAR);
-            if !known && open.len() < count {
+            if !known {
                 open.push(Asked { effects: vec![effect.clone()], at: self.on_grid(effect, at) });
             }
         }

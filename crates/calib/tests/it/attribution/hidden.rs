@@ -3,9 +3,7 @@
 use calib::attribution::{Candidate, Settings, Verdict};
 use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 
-use super::linear::{Line, question};
-
-const SPEEDS: [f64; 7] = [3.0, 5.0, 8.0, 12.0, 17.0, 21.0, 25.0];
+use super::linear::{Line, SPEEDS, question};
 
 /// Lowers a level by 4 deg for one of its strength and tilts the line by a twentieth of what is missing from 30 deg then: a bed
 /// of 30 + 4 s deg reads as one of 30 deg without it.

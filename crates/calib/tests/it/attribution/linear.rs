@@ -8,7 +8,7 @@ use calib::{
 use rig_schema::Response;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-const SPEEDS: [f64; 7] = [3.0, 5.0, 8.0, 12.0, 17.0, 21.0, 25.0];
+pub(crate) const SPEEDS: [f64; 7] = [3.0, 5.0, 8.0, 12.0, 17.0, 21.0, 25.0];
 const ANGLE: [f64; 7] = [29.1, 29.6, 30.0, 30.2, 30.9, 30.4, 31.3];
 
 /// Standard deviation of every angle.
