@@ -8,7 +8,7 @@
 use calib::CalibError;
 use calib::attribution::{Finding, Settings, Verdict};
 
-use crate::driver::{State, Told, is_simulated};
+use crate::driver::{Stage, State, Told, is_simulated};
 use crate::error::CloseLoopError;
 use crate::refine::{Asked, NEAR};
 
@@ -33,7 +33,7 @@ impl State<'_> {
             }
             let claims = claims(&finding);
             let before = self.runs.everyday;
-            self.look(most, watch, |state, count| state.unproven(&claims, count))?;
+            self.look(Stage::Prove, most, watch, |state, count| state.unproven(&claims, count))?;
             let made = self.runs.everyday - before;
             if made == 0 {
                 break;

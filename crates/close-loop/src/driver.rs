@@ -40,6 +40,8 @@ pub enum Stage {
     Confirm,
     /// What would tell the members of a class apart.
     Next,
+    /// Drums that are said to be seen by a finding of nothing. (It stands last since fillings are numbered by stages.)
+    Prove,
 }
 
 /// What is told after every run.

@@ -7,7 +7,7 @@ use crate::anchors::Whole;
 use crate::catalogue::Effect;
 use crate::coded::{Coded, Model};
 use crate::confirm::Learned;
-use crate::driver::{State, Told, is_simulated};
+use crate::driver::{Stage, State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
 use crate::outlook::{LUCK, TURN, doubted};
@@ -94,7 +94,9 @@ impl State<'_> {
         watch: &mut dyn FnMut(&Told),
     ) -> Result<(), CloseLoopError> {
         let short = self.short_list(settings)?;
-        self.look(most, watch, |state, count| state.doubtful_pairs(&short, count, settings))
+        self.look(Stage::Refine, most, watch, |state, count| {
+            state.doubtful_pairs(&short, count, settings)
+        })
     }
 
     /// Pairs that may explain the data, by what is known of each effect alone. Of two effects that are simulated nobody

@@ -59,12 +59,13 @@ impl State<'_> {
         settings: &Settings,
         watch: &mut dyn FnMut(&Told),
     ) -> Result<(), CloseLoopError> {
-        self.look(most, watch, |state, count| state.doubtful(count, settings))
+        self.look(Stage::Refine, most, watch, |state, count| state.doubtful(count, settings))
     }
 
     /// Run what `ask` asks for, [`BATCH`] at a time, until it asks for nothing more or `most` runs are made.
     pub(crate) fn look(
         &mut self,
+        stage: Stage,
         most: usize,
         watch: &mut dyn FnMut(&Told),
         ask: impl Fn(&Self, usize) -> Result<Vec<Asked>, CalibError>,
@@ -89,7 +90,7 @@ impl State<'_> {
                 let (rig, axes) = (&self.setup.rig, &self.setup.axes);
                 rigs.push(rig_with_all(rig, axes, theta, &effects, filling)?);
             }
-            let runs = self.runs.all(Stage::Refine, &rigs, watch)?;
+            let runs = self.runs.all(stage, &rigs, watch)?;
             for (one, run) in asked.into_iter().zip(&runs) {
                 match (run, &one.effects[..]) {
                     (Some(run), [a]) => {

@@ -2,7 +2,9 @@
 
 mod closing;
 
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 pub(crate) use closing::CloseLoopArgs;
 
@@ -23,8 +25,10 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the built-in cases.
-    #[command(after_help = "Example:\n  tumble cases")]
+    /// List the built-in cases, or write one to files, to start your own from.
+    #[command(
+        after_help = "Examples:\n  tumble cases\n  tumble cases demo --write my_drum       # the drum of `tumble close-loop`\n  tumble cases AZ4_Steel --write tablets"
+    )]
     Cases(CasesArgs),
     /// Fit response surfaces to a table of simulated runs and show their diagnostics.
     #[command(
@@ -186,6 +190,12 @@ pub(crate) struct FilmArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CasesArgs {
+    /// Built-in case to write, or `demo`.
+    #[arg(requires = "write")]
+    pub(crate) case: Option<String>,
+    /// Folder to write the case and its tables to, as printed (errata are applied to built-in names alone).
+    #[arg(long, value_name = "DIR", requires = "case")]
+    pub(crate) write: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
@@ -255,39 +265,30 @@ impl From<Errata> for ErrataLevel {
     }
 }
 
-/// A number between two, ends included.
-fn within(text: &str, (low, high): (f64, f64), unit: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    if (low..=high).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("{value} is not between {low} and {high} {unit}"))
-    }
+/// A number of some kind between two, ends included.
+fn within<T: FromStr + PartialOrd + fmt::Display>(
+    text: &str,
+    kind: &str,
+    (low, high): (T, T),
+    unit: &str,
+) -> Result<T, String> {
+    let value = text.parse().ok().filter(|value| (&low..=&high).contains(&value));
+    value.ok_or_else(|| format!("expected {kind} from {low} to {high} {unit}"))
 }
 
 /// A length of a drum.
 fn length(text: &str) -> Result<f64, String> {
-    within(text, (1e-4, 1e3), "m")
+    within(text, "a number", (1e-4, 1e3), "m")
 }
 
 /// Draws of a bootstrap.
 fn draws(text: &str) -> Result<usize, String> {
-    let value: usize = text.parse().map_err(|_| format!("`{text}` is not a number of draws"))?;
-    if value <= 1_000_000 {
-        Ok(value)
-    } else {
-        Err(format!("{value} is not within 0 to 1000000 draws"))
-    }
+    within(text, "a whole number", (0, 1_000_000), "draws")
 }
 
-/// Widths of frames that can be read, pixels.
+/// Widths of frames that can be read.
 fn width(text: &str) -> Result<u32, String> {
-    let value: u32 = text.parse().map_err(|_| format!("`{text}` is not a number of pixels"))?;
-    if (32..=16_384).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("{value} is not within 32 to 16384 pixels"))
-    }
+    within(text, "a whole number", (32, 16_384), "pixels")
 }
 
 fn path_value(text: &str) -> Result<(String, f64), String> {

@@ -129,6 +129,11 @@ pub(crate) fn fixture(path: &str) -> anyhow::Result<Text> {
     Ok(Text { name: path.to_owned(), text: text.to_owned() })
 }
 
+/// A table that a built-in case names.
+pub(crate) fn table(named: &str) -> anyhow::Result<Text> {
+    fixture(&format!("thesis/tables/{}", file_name(named)))
+}
+
 /// Where the files that a case names are.
 enum Place {
     BuiltIn,
@@ -139,10 +144,7 @@ impl Place {
     fn read(&self, named: &str) -> anyhow::Result<Text> {
         match self {
             Self::Folder(folder) => Ok(read(&folder.join(named))?),
-            Self::BuiltIn => {
-                let file = Path::new(named).file_name().and_then(|n| n.to_str()).unwrap_or(named);
-                fixture(&format!("thesis/tables/{file}"))
-            }
+            Self::BuiltIn => table(named),
         }
     }
 }
@@ -287,7 +289,7 @@ fn check_tables(
 /// How far a free parameter may go beyond the runs of a table, as a part of their span.
 const BEYOND: f64 = 0.05;
 
-fn file_name(path: &str) -> String {
+pub(crate) fn file_name(path: &str) -> String {
     Path::new(path)
         .file_name()
         .map_or_else(|| path.to_owned(), |n| n.to_string_lossy().into_owned())

@@ -5,6 +5,7 @@ mod calibrated;
 mod cli;
 mod command;
 mod experiment;
+mod given;
 mod input;
 mod output;
 mod report;

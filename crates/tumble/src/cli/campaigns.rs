@@ -123,15 +123,15 @@ pub(crate) struct ExportArgs {
 }
 
 fn turns(text: &str) -> Result<f64, String> {
-    within(text, (0.0, 1000.0), "turns")
+    within(text, "a number", (0.0, 1000.0), "turns")
 }
 
 /// A time in a film.
 fn time(text: &str) -> Result<f64, String> {
-    within(text, (1e-6, DAY_S), "s")
+    within(text, "a number", (1e-6, DAY_S), "s")
 }
 
 /// A time between checkpoints: beyond a day one is none.
 fn seconds(text: &str) -> Result<f64, String> {
-    within(text, (0.0, DAY_S), "s")
+    within(text, "a number", (0.0, DAY_S), "s")
 }

@@ -1,9 +1,12 @@
 //! `tumble cases`: what is built in.
 
+use std::path::Path;
+
 use rig_schema::ErrataLevel;
 use serde::Serialize;
 
 use crate::cli::CasesArgs;
+use crate::given::{self, DEMO};
 use crate::input;
 
 #[derive(Serialize)]
@@ -15,7 +18,36 @@ struct Row {
     particles: Option<f64>,
 }
 
+#[derive(Serialize)]
+struct Written {
+    case: String,
+    tables: Vec<String>,
+}
+
 pub(crate) fn run(args: &CasesArgs) -> anyhow::Result<()> {
+    match (&args.case, &args.write) {
+        (Some(case), Some(folder)) => write(case, folder, args.json),
+        _ => list(args.json),
+    }
+}
+
+fn write(name: &str, folder: &Path, json: bool) -> anyhow::Result<()> {
+    let files = given::write(name, folder)?;
+    let mut files = files.iter().map(|f| f.display().to_string());
+    let written = Written { case: files.next().unwrap_or_default(), tables: files.collect() };
+    if json {
+        println!("{}", serde_json::to_string_pretty(&written)?);
+        return Ok(());
+    }
+    for file in std::iter::once(&written.case).chain(&written.tables) {
+        println!("wrote {file}");
+    }
+    let command = if name.eq_ignore_ascii_case(DEMO) { "close-loop" } else { "calibrate" };
+    println!("\nNext: tumble {command} {}", written.case);
+    Ok(())
+}
+
+fn list(json: bool) -> anyhow::Result<()> {
     let mut rows = Vec::new();
     for name in tumble_fixtures::CASES {
         let loaded = input::load(name, ErrataLevel::None)?;
@@ -27,7 +59,7 @@ pub(crate) fn run(args: &CasesArgs) -> anyhow::Result<()> {
             particles: loaded.case.rig.settings.value("fill.count"),
         });
     }
-    if args.json {
+    if json {
         println!("{}", serde_json::to_string_pretty(&rows)?);
         return Ok(());
     }
@@ -47,5 +79,6 @@ pub(crate) fn run(args: &CasesArgs) -> anyhow::Result<()> {
         );
     }
     println!("\nNext: tumble calibrate AZ4_Steel");
+    println!("A case to start your own from: tumble cases demo --write my_drum");
     Ok(())
 }

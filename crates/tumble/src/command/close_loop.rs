@@ -248,6 +248,7 @@ fn stage(stage: Stage) -> &'static str {
         Stage::Refine => "about the promising effects",
         Stage::Confirm => "fresh runs",
         Stage::Next => "what would tell a class apart",
+        Stage::Prove => "drums that would have been seen",
     }
 }
 

@@ -110,3 +110,33 @@ fn fit_reports_the_surfaces_of_a_table_of_ones_own() {
     let r2 = v["surfaces"][0]["r2"].as_f64().expect("a number");
     assert!((r2 - 0.9926).abs() < 0.01, "{r2}");
 }
+
+#[test]
+fn a_built_in_case_that_is_written_to_files_calibrates_to_the_same_friction() {
+    let folder = tempdir().expect("a folder");
+    let run = |args: &[&str]| {
+        let output = tumble(folder.path(), args);
+        assert!(output.status.success(), "{}", stderr(&output));
+        serde_json::from_str::<Value>(&stdout(&output)).expect("is one JSON object")
+    };
+    let written = run(&["cases", "az6_steel", "--write", "mine", "--json"]);
+    let case = written["case"].as_str().expect("a path").to_owned();
+    assert_eq!(written["tables"].as_array().expect("a list").len(), 2);
+    let own = run(&["calibrate", &case, "--bootstrap", "0", "--json"]);
+    let named = ["calibrate", "AZ6_Steel", "--errata", "none", "--bootstrap", "0", "--json"];
+    assert_eq!(own["friction"], run(&named)["friction"]);
+    // What somebody has changed since stays.
+    std::fs::write(folder.path().join(&case), "mine").expect("written");
+    let again = tumble(folder.path(), &["cases", "az6_steel", "--write", "mine"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(stderr(&again).contains("az6_steel.toml exists; expected a folder without it"));
+    assert_eq!(std::fs::read_to_string(folder.path().join(&case)).expect("is there"), "mine");
+    // The drum of `close-loop` is read to the point where its runs are counted.
+    run(&["cases", "demo", "--write", "drum", "--json"]);
+    let few = tumble(folder.path(), &["close-loop", "drum/demo.toml", "--runs", "1"]);
+    assert_eq!(few.status.code(), Some(2));
+    assert!(stderr(&few).contains("1 run"), "{}", stderr(&few));
+    let unknown = tumble(folder.path(), &["cases", "AZ3", "--write", "mine"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(stderr(&unknown).contains("no case `AZ3`"), "{}", stderr(&unknown));
+}
