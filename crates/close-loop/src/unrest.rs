@@ -87,7 +87,9 @@ impl Told {
                 if a.at() == b.at() {
                     let own = |i: usize, j: usize| observations.covariance(i, j);
                     let rho = own(i, j).powi(2) / (own(i, i) * own(j, j)).max(f64::MIN_POSITIVE);
-                    let frames = (observations.n_eff[i] * observations.n_eff[j]).sqrt().max(2.0);
+                    // Of each: their covariance is one only if neither counts for more than beside itself.
+                    let frames = |k: usize| observations.n_eff[k].max(2.0);
+                    let frames = (frames(i) * frames(j)).sqrt();
                     v += SCALE * SCALE * OF_FRAMES * if i == j { 1.0 } else { rho.min(0.95) }
                         / frames;
                 }
@@ -169,8 +171,8 @@ mod tests {
         Observations::from_table(&table, range, FRAMES, FrameCorrelation::default()).unwrap().0
     }
 
-    #[test]
-    fn frames_tell_the_friction_at_which_they_scatter_as_measured() {
+    /// Twelve runs of such a bed beside what was measured of it.
+    fn unrest(observations: &Observations) -> Unrest {
         let run = |k: u32| {
             let friction = 0.25 + 0.05 * f64::from(k);
             let variance = scatter(friction).powi(2);
@@ -189,12 +191,26 @@ mod tests {
         let path = "friction.pp".to_owned();
         let axes = vec![Axis { path, scale: Scale::Log, unit: 0.35, roughness: 1.0 }];
         let place = (axes, vec![0.5], [20.0, 40.0, 60.0].map(OperatingPoint::from).to_vec());
-        let at = |sd: f64, friction: f64| {
-            let observations = measured(sd);
-            let told = (&observations, &[1][..]);
-            let unrest = Unrest::about(place.clone(), &runs, None, told).unwrap();
-            unrest.deviance(&[friction]).unwrap()
-        };
+        Unrest::about(place, &runs, None, (observations, &[1])).unwrap()
+    }
+
+    #[test]
+    fn a_response_that_swings_so_slowly_that_its_frames_count_for_none_leaves_the_others_as_they_are()
+     {
+        let mut observations = measured(scatter(0.4));
+        let usual = unrest(&observations).deviance(&[0.4]).unwrap();
+        // The whole lines alone; the middle lines, which go with them, keep their sixty frames.
+        let whole = |k: &usize| observations.items[*k].response == observations.items[0].response;
+        let slow: Vec<usize> = (0..observations.items.len()).filter(whole).collect();
+        slow.iter().for_each(|k| observations.n_eff[*k] = 0.01);
+        let swinging = unrest(&observations).deviance(&[0.4]).unwrap();
+        // Chi-square is near none in both; a variance of 25 / 2 for 25 / 60 adds its logarithm, 3.4, to each of three.
+        assert!((5.0..10.5).contains(&(swinging - usual)), "{usual} {swinging}");
+    }
+
+    #[test]
+    fn frames_tell_the_friction_at_which_they_scatter_as_measured() {
+        let at = |sd: f64, friction: f64| unrest(&measured(sd)).deviance(&[friction]).unwrap();
         // Twice the friction halves the scatter: against 0.1 that all may be off by together, 0.07 of each response and what sixty frames
         // leave, 0.69 is five standard deviations.
         let (right, wrong) = (at(scatter(0.4), 0.4), at(scatter(0.4), 0.8));
