@@ -87,7 +87,7 @@ impl Told {
                 if a.at() == b.at() {
                     let own = |i: usize, j: usize| observations.covariance(i, j);
                     let rho = own(i, j).powi(2) / (own(i, i) * own(j, j)).max(f64::MIN_POSITIVE);
-                    // Of each: their covariance is one only if neither counts for more than beside itself.
+                    // Raised one by one: of the two together the matrix need not be positive definite.
                     let frames = |k: usize| observations.n_eff[k].max(2.0);
                     let frames = (frames(i) * frames(j)).sqrt();
                     v += SCALE * SCALE * OF_FRAMES * if i == j { 1.0 } else { rho.min(0.95) }

@@ -1,11 +1,16 @@
+use std::path::Path;
+
 use serde_json::Value;
 use tempfile::tempdir;
 
 use crate::run::{stderr, stdout, tumble};
 
 fn json(args: &[&str]) -> Value {
-    let folder = tempdir().expect("a folder");
-    let output = tumble(folder.path(), args);
+    json_in(tempdir().expect("a folder").path(), args)
+}
+
+fn json_in(folder: &Path, args: &[&str]) -> Value {
+    let output = tumble(folder, args);
     assert!(output.status.success(), "{}", stderr(&output));
     serde_json::from_str(&stdout(&output)).expect("is one JSON object")
 }
@@ -114,11 +119,7 @@ fn fit_reports_the_surfaces_of_a_table_of_ones_own() {
 #[test]
 fn a_built_in_case_that_is_written_to_files_calibrates_to_the_same_friction() {
     let folder = tempdir().expect("a folder");
-    let run = |args: &[&str]| {
-        let output = tumble(folder.path(), args);
-        assert!(output.status.success(), "{}", stderr(&output));
-        serde_json::from_str::<Value>(&stdout(&output)).expect("is one JSON object")
-    };
+    let run = |args: &[&str]| json_in(folder.path(), args);
     let written = run(&["cases", "az6_steel", "--write", "mine", "--json"]);
     let case = written["case"].as_str().expect("a path").to_owned();
     assert_eq!(written["tables"].as_array().expect("a list").len(), 2);
