@@ -44,6 +44,18 @@ pub(crate) struct Unrest {
     told: Arc<Told>,
 }
 
+/// Covariance of two logarithms of the same frames, by the covariance of the means and the number of independent frames of each.
+/// Numbers are raised to two one by one: of the two together the matrix need not be positive definite.
+fn of_frames(
+    own: impl Fn(usize, usize) -> f64,
+    frames: impl Fn(usize) -> f64,
+    (a, b): (usize, usize),
+) -> f64 {
+    let together = || own(a, b).powi(2) / (own(a, a) * own(b, b)).max(f64::MIN_POSITIVE);
+    let rho = if a == b { 1.0 } else { together().min(0.95) };
+    SCALE * SCALE * OF_FRAMES * rho / (frames(a).max(2.0) * frames(b).max(2.0)).sqrt()
+}
+
 /// A run whose outputs are the logarithms.
 fn logarithms(run: &Sample) -> Sample {
     let knots = || run.variance.iter().zip(&run.covariance);
@@ -51,16 +63,9 @@ fn logarithms(run: &Sample) -> Sample {
     let mean = run.variance.iter().map(|four| four.map(value)).collect();
     let covariance: Vec<[[f64; 4]; 4]> = knots()
         .map(|(variance, own)| {
-            // Independent frames of a response, and how two go together.
-            let frames = |r: usize| (variance[r] / own[r][r].max(f64::MIN_POSITIVE)).max(2.0);
-            let together = |r: usize, s: usize| {
-                own[r][s].powi(2) / (own[r][r] * own[s][s]).max(f64::MIN_POSITIVE)
-            };
+            let frames = |r: usize| variance[r] / own[r][r].max(f64::MIN_POSITIVE);
             std::array::from_fn(|r| {
-                std::array::from_fn(|s| {
-                    let rho = if r == s { 1.0 } else { together(r, s).min(0.95) };
-                    SCALE * SCALE * OF_FRAMES * rho / (frames(r) * frames(s)).sqrt()
-                })
+                std::array::from_fn(|s| of_frames(|r, s| own[r][s], frames, (r, s)))
             })
         })
         .collect();
@@ -85,13 +90,8 @@ impl Told {
                     v += response;
                 }
                 if a.at() == b.at() {
-                    let own = |i: usize, j: usize| observations.covariance(i, j);
-                    let rho = own(i, j).powi(2) / (own(i, i) * own(j, j)).max(f64::MIN_POSITIVE);
-                    // Raised one by one: of the two together the matrix need not be positive definite.
-                    let frames = |k: usize| observations.n_eff[k].max(2.0);
-                    let frames = (frames(i) * frames(j)).sqrt();
-                    v += SCALE * SCALE * OF_FRAMES * if i == j { 1.0 } else { rho.min(0.95) }
-                        / frames;
+                    let own = |i, j| observations.covariance(i, j);
+                    v += of_frames(own, |k| observations.n_eff[k], (i, j));
                 }
                 if i == j {
                     v += each;
