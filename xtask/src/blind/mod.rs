@@ -73,6 +73,9 @@ enum Task {
         /// Drums.
         #[arg(long, default_value_t = 200)]
         count: usize,
+        /// Number of the first of them, so that a study can be made in parts: a drum is what its number says.
+        #[arg(long, default_value_t = 0)]
+        first: usize,
         /// Most runs for each.
         #[arg(long, default_value_t = 75)]
         runs: usize,
@@ -100,8 +103,9 @@ pub(crate) fn run(blind: &Blind) -> anyhow::Result<()> {
         Task::Score { runs, only, json } => {
             score::run(&folder, *runs, blind.jobs, only.as_deref(), *json)
         }
-        Task::Nulls { count, runs, liggghts, care } => {
-            nulls::run(&folder, *count, *runs, *liggghts, *care, blind.jobs)
+        Task::Nulls { count, first, runs, liggghts, care } => {
+            let numbers = *first..first + count;
+            nulls::run(&folder, numbers, *runs, *liggghts, *care, blind.jobs)
         }
     }
 }

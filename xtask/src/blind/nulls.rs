@@ -1,6 +1,7 @@
 //! False alarms on simulated drums that lack nothing.
 
 use std::fs::File;
+use std::ops::Range;
 use std::path::Path;
 
 use close_loop::campaign::Laboratory;
@@ -29,7 +30,7 @@ struct Called {
 /// Drums are taken one at a time; several of these commands may share the work, and what is done is kept.
 pub(crate) fn run(
     folder: &Path,
-    count: usize,
+    numbers: Range<usize>,
     runs: usize,
     liggghts: bool,
     care: Care,
@@ -45,7 +46,7 @@ pub(crate) fn run(
     let drums = nature_lab(folder, jobs, picture.resolution)?;
     let lab = Laboratory::open(&folder.join("fits"), jobs, picture)?;
     let case = Case::parse("null.toml", &case_text(&[], care))?;
-    for k in 0..count {
+    for k in numbers {
         let done = own.join(format!("{k:03}.json"));
         // The lock ends with the process that holds it, however that ends.
         let claim = File::create(own.join(format!("{k:03}.taken")))?;
