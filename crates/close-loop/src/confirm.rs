@@ -14,6 +14,7 @@ use crate::compare::{self, Values};
 use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
+use crate::fillings::Shifts;
 use crate::outcome::{Errors, Outcome, Side, SpeedResponse, StrengthOf};
 use crate::predict::{predicted_rows, predictions};
 use crate::process::Local;
@@ -47,6 +48,8 @@ pub(crate) struct Fresh {
     theta: Vec<f64>,
     /// Whether codes were taken to differ.
     codes_differ: bool,
+    /// How fillings shift, load by load, where they differ by more than those of the calibrated drum.
+    restless: Option<Vec<Shifts>>,
 }
 
 /// What fresh runs of one effect or of two have shown: paths, runs.
@@ -181,7 +184,7 @@ pub(crate) fn outcome(
         simulated: simulated(state),
         failed: state.runs.failed.clone(),
         left_out: state.setup.catalogue.left_out.clone(),
-        assumed: assumed(this, state, &base),
+        assumed: assumed(this, state, &base, after.as_ref()),
         finding,
     };
     Ok((outcome, learned))
@@ -268,13 +271,25 @@ fn compared(
         let seen = runs.iter().map(|m| m.rows[k].1.mean[r]).sum::<f64>() / n;
         seen - excess(knots[k].load) * of_volume[k][r]
     };
-    let shared = knots.iter().map(|k| base.shift(k.load).map(|s| s / n.sqrt())).collect();
+    // Fillings may differ by more than those of the calibrated drum.
+    let level = |m: &Made| -> Vec<[f64; 4]> {
+        let less = |k: usize, r: usize| m.excess[knots[k].load] * of_volume[k][r];
+        let each = m.rows[..knots.len()].iter().enumerate();
+        each.map(|(k, row)| std::array::from_fn(|r| row.1.mean[r] - less(k, r))).collect()
+    };
+    let own = base.unlike(&runs.iter().map(level).collect::<Vec<_>>());
+    let restless = own.filter(|_| !effects.is_empty());
+    let usual = || (0..state.setup.loads.len()).map(|load| base.shifts_at(load, theta)).collect();
+    let fillings: Vec<Shifts> = restless.clone().unwrap_or_else(usual);
+    let witnesses = 2.0 * (n - 1.0) * fillings.len() as f64;
+    let errors_dof = restless.as_ref().map_or(base.errors_dof(), |_| witnesses);
+    let shared = knots.iter().map(|k| fillings[k.load].sd.map(|s| s / n.sqrt())).collect();
     let at = base.frames().enumerate();
     let at =
         at.map(|(k, f)| (std::array::from_fn(|r| mean(k, r)), f.map(|row| row.map(|v| v / n))));
     let unknown = vec![[0.0; 4]; knots.len()];
     let (at, unsure) = (at.collect(), Vec::new());
-    let local = Local { at, unknown, shared, unsure, of_volume };
+    let local = Local { at, unknown, shared, unsure, of_volume, fillings };
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
     let (points, place) = Observation::places(&items);
@@ -314,7 +329,7 @@ fn compared(
     let degrees = |m: usize| m.saturating_sub(free).max(1);
     let dof = degrees(fitted);
     // As in the gate: few runs tell how large errors are.
-    let p_of = |chi2: f64, dof: usize| variance_ratio_p(chi2, dof, base.errors_dof());
+    let p_of = |chi2: f64, dof: usize| variance_ratio_p(chi2, dof, errors_dof);
     let p_all = p_of(chi_square(items.len())?.0, degrees(items.len()));
     let estimate: Vec<f64> = nuisances
         .iter()
@@ -343,7 +358,8 @@ fn compared(
         p_all,
     };
     let volume = (excess(0), &local.of_volume[..]);
-    let predictions = predictions(&asked, volume, &state.setup, base, &nuisance);
+    let shift = local.fillings[0].sd;
+    let predictions = predictions(&asked, volume, &state.setup, (base, shift), &nuisance);
     let mut named: Vec<(String, f64)> =
         state.setup.free.iter().map(|f| f.name.clone()).zip(theta.iter().copied()).collect();
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));
@@ -354,7 +370,7 @@ fn compared(
     let side = Side { effect, at: named, fillings: runs.len(), errors, predictions };
     let theta = theta.to_vec();
     let codes_differ = state.codes_differ;
-    Ok(Fresh { side, points, samples, runs, asked, theta, codes_differ })
+    Ok(Fresh { side, points, samples, runs, asked, theta, codes_differ, restless })
 }
 
 fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair: bool) -> String {
@@ -378,10 +394,13 @@ fn sentence(finding: &Finding, verdict: &str, strengths: &[StrengthOf], is_pair:
             "The model lacks one of these, which the data cannot tell apart: {}.",
             named.join("; ")
         ),
-        _ if !strengths.is_empty() => format!(
-            "Something is missing; {} came closest, but fresh simulations do not confirm it.",
-            strengths[0].name
-        ),
+        _ if !strengths.is_empty() => {
+            let names: Vec<&str> = strengths.iter().map(|s| &s.name[..]).collect();
+            let closest = if is_pair { names.join(" with ") } else { names[0].to_owned() };
+            format!(
+                "Something is missing; {closest} came closest, but fresh simulations do not confirm it."
+            )
+        }
         _ => format!(
             "Something is missing that is not in the catalogue: chi-square {:.1} with {} degrees of freedom, p = {:.2e}, and no effect brings the model to the data.",
             finding.gate.chi2, finding.gate.dof, finding.gate.p_combined
@@ -395,8 +414,28 @@ pub(crate) fn figures(value: f64) -> String {
     format!("{value:.*}", (2.0 - size).clamp(0.0, 9.0) as usize)
 }
 
-fn assumed(this: &CloseLoop<'_>, state: &State<'_>, base: &Emulator) -> Vec<String> {
+fn assumed(
+    this: &CloseLoop<'_>,
+    state: &State<'_>,
+    base: &Emulator,
+    after: Option<&Fresh>,
+) -> Vec<String> {
     let mut all = Vec::new();
+    if let Some((after, shifts)) = after.and_then(|a| Some((a, a.restless.as_ref()?))) {
+        let each: Vec<String> = shifts
+            .iter()
+            .map(|s| {
+                let [lin, mid, x, y] = s.sd;
+                format!("by {lin:.1} and {mid:.1} deg, {x:.1} and {y:.1} % of R")
+            })
+            .collect();
+        all.push(format!(
+            "Fillings of the drum with {} differ by more than those of the calibrated one, as where a bed slides as one body and keeps the surface that it was filled with: all speeds of a filling shift {} (standard deviations of {} fillings). Means over more fillings would tell more.",
+            after.side.effect.as_deref().unwrap_or_default(),
+            each.join("; with the next load "),
+            after.side.fillings
+        ));
+    }
     let refuted = state.refuted;
     if refuted > 0 {
         all.push(format!(

@@ -12,6 +12,7 @@ use crate::confirm::{self, CONFIRMED_MEMBERS, Fresh};
 use crate::curve::Change;
 use crate::emulator::Sample;
 use crate::error::CloseLoopError;
+use crate::fillings;
 use crate::outcome::Outcome;
 use crate::outlook::{LUCK, MORE_LUCK};
 use crate::plan::{Effort, LoopSettings, Measured, Setup};
@@ -340,9 +341,19 @@ impl CloseLoop<'_> {
         let part = |spare: usize| spare.div_ceil(2);
         let spare = part(state.spare(singles));
         state.refine(spare, settings, watch)?;
-        let finding = state.attribute(&self.settings.attribution)?;
+        let mut finding = state.attribute(&self.settings.attribution)?;
+        let fits = |f: &Finding| !matches!(f.verdict, Verdict::Pairs(_) | Verdict::Unknown);
+        for _ in 0..fillings::PLACES {
+            let spare = part(state.spare(singles));
+            if fits(&finding) || !state.refill(&finding, spare, watch)? {
+                break;
+            }
+            let spare = part(state.spare(singles));
+            state.refine(spare, settings, watch)?;
+            finding = state.attribute(&self.settings.attribution)?;
+        }
         let spare = part(state.spare(pairs));
-        if spare == 0 || !matches!(finding.verdict, Verdict::Pairs(_) | Verdict::Unknown) {
+        if spare == 0 || fits(&finding) {
             return Ok(finding);
         }
         state.refine_pairs(spare, settings, watch)?;

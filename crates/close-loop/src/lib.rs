@@ -23,6 +23,7 @@ mod curve;
 mod driver;
 mod emulator;
 mod error;
+mod fillings;
 #[cfg(test)]
 mod fixture;
 mod ignorance;

@@ -25,17 +25,17 @@ pub(crate) fn predicted_rows(runs: &mut [Made], setup: &Setup) -> Vec<Vec<SpeedR
         .collect()
 }
 
-/// Means over fresh runs at the speeds to predict, with the standard deviation of a drum filled anew. The runs' mean excess of
+/// Means over fresh runs at the speeds to predict, with the standard deviation of a drum filled anew, whose responses shift by
+/// `shift`. The runs' mean excess of
 /// volume, with what twice the volume does at the knots, is taken out of them; `nuisance` is what nuisances add to a response.
 pub(crate) fn predictions(
     runs: &[Vec<SpeedRow>],
     (excess, of_volume): (f64, &[[f64; 4]]),
     setup: &Setup,
-    base: &Emulator,
+    (base, shift): (&Emulator, [f64; 4]),
     nuisance: &dyn Fn(Response, f64) -> f64,
 ) -> Vec<SpeedResponse> {
     let n = runs.len() as f64;
-    let shift = base.shift(0);
     let volume_sd = setup.loads[0].volume_sd;
     let mut all = Vec::new();
     for (k, omega) in setup.predict.iter().enumerate() {

@@ -17,6 +17,7 @@ use calib::CalibError;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
+use crate::fillings::Shifts;
 use crate::ignorance::BESIDE;
 use crate::volume::{Told, Volume};
 
@@ -80,6 +81,8 @@ pub(crate) struct Local {
     pub(crate) unsure: Vec<[f64; 4]>,
     /// Change for twice the volume, by knot.
     pub(crate) of_volume: Vec<[f64; 4]>,
+    /// How fillings shift there, load by load.
+    pub(crate) fillings: Vec<Shifts>,
 }
 
 /// How one run differs from the next of the same drum.
@@ -102,6 +105,8 @@ pub(crate) struct Scatter {
 pub(crate) struct Process {
     /// Coded coordinates of the runs.
     coded: Vec<Vec<f64>>,
+    /// Standard deviations of the shifts of their fillings.
+    shifts: Vec<[f64; 4]>,
     /// What more volume does; the outputs are those of the volume expected.
     volume: Volume,
     amplitude: [f64; 4],
@@ -157,29 +162,32 @@ impl Process {
             return Ok(Self { volume, ..first });
         }
         let scatter = first.scatter_of_runs(alongside, weight);
-        Self::with_scatter(first.coded, &rows, scatter, volume)
+        let shifts = vec![scatter.shift; weight.len()];
+        Self::with_scatter(first.coded, &rows, (scatter, &shifts), volume)
     }
 
     /// Regression on outputs of the volume expected, where it is known how runs scatter and what more volume does.
     fn with_scatter(
         coded: Vec<Vec<f64>>,
         level: &[&[[f64; 4]]],
-        scatter: Scatter,
+        (scatter, shifts): (Scatter, &[[f64; 4]]),
         volume: Volume,
     ) -> Result<Self, CalibError> {
-        let process = Self::with(coded, level, scatter.frames.clone(), Some(scatter.shift), None)?;
+        let process = Self::with(coded, level, scatter.frames.clone(), Some(shifts), None)?;
         Ok(Self { scatter, volume, ..process })
     }
 
-    /// The same for other runs, which scatter as those of this one do and to which volume does the same.
+    /// The same for other runs, to which volume does the same and which scatter as those of this one do, but for the shifts of
+    /// their fillings, whose standard deviations are given run by run.
     pub(crate) fn of_others(
         &self,
         (coded, excess): (Vec<Vec<f64>>, Vec<f64>),
         mean: &[&[[f64; 4]]],
+        shifts: &[[f64; 4]],
     ) -> Result<Self, CalibError> {
         let mean = self.volume.level(&coded, &excess, mean);
         let rows: Vec<&[[f64; 4]]> = mean.iter().map(|m| &m[..]).collect();
-        Self::with_scatter(coded, &rows, self.scatter.clone(), self.volume.clone())
+        Self::with_scatter(coded, &rows, (self.scatter.clone(), shifts), self.volume.clone())
     }
 
     /// What more volume does about a point, by runs whose volumes were left in their outputs.
@@ -292,13 +300,13 @@ impl Process {
         Scatter { shift, together, swings, frames }
     }
 
-    /// With the covariance of a run's means by knot; the shift of fillings is found if it is not given, and what more volume
-    /// does if volumes are in excess of the one expected.
+    /// With the covariance of a run's means by knot; the shift of fillings is found if it is not given run by run, and what more
+    /// volume does if volumes are in excess of the one expected.
     fn with(
         coded: Vec<Vec<f64>>,
         mean: &[&[[f64; 4]]],
         frames: Vec<[[f64; 4]; 4]>,
-        given: Option<[f64; 4]>,
+        given: Option<&[[f64; 4]]>,
         excess: Option<&[f64]>,
     ) -> Result<Self, CalibError> {
         let n = coded.len();
@@ -312,10 +320,15 @@ impl Process {
                 })
                 .collect()
         };
-        let system = |kernels: &[(f64, f64)], amplitude: f64, noise: f64| {
+        // The shift of a run's filling, or one that is tried for all.
+        let of_run = |i: usize, r: usize, tried: f64| given.map_or(tried, |all| all[i][r]);
+        let noise = |i: usize, (k, r): (usize, usize), tried: f64| {
+            frames[k][r][r].max(FLOOR) + of_run(i, r, tried).powi(2)
+        };
+        let system = |kernels: &[(f64, f64)], amplitude: f64, tried: f64, of: (usize, usize)| {
             Mat::from_fn(n, n, |i, j| {
                 let (q, s) = kernels[i * n + j];
-                q + amplitude * amplitude * s + if i == j { noise } else { 0.0 }
+                q + amplitude * amplitude * s + if i == j { noise(i, of, tried) } else { 0.0 }
             })
         };
         let output = |k: usize, r: usize| -> (f64, Mat<f64>) {
@@ -325,13 +338,11 @@ impl Process {
         let outputs: Vec<[(f64, Mat<f64>); 4]> =
             (0..frames.len()).map(|k| std::array::from_fn(|r| output(k, r))).collect();
         let fault = || CalibError::Covariance { what: "runs of a surface", size: n };
-        let noise = |shift: f64, k: usize, r: usize| frames[k][r][r].max(FLOOR) + shift * shift;
         let log_likelihood = |of: &[(f64, f64)], amplitude: f64, shift: f64, r: usize| {
             let mut sum = log_prior(amplitude, AMPLITUDE) + log_prior(shift, SHIFT);
             for (k, four) in outputs.iter().enumerate() {
-                let llt = system(of, amplitude, noise(shift, k, r))
-                    .llt(Side::Lower)
-                    .map_err(|_| fault())?;
+                let llt =
+                    system(of, amplitude, shift, (k, r)).llt(Side::Lower).map_err(|_| fault())?;
                 let (_, y) = &four[r];
                 let alpha = llt.solve(y);
                 let fit: f64 = (0..n).map(|i| y[(i, 0)] * alpha[(i, 0)]).sum();
@@ -347,7 +358,7 @@ impl Process {
             let mut chosen = [(AMPLITUDE.0, SHIFT.0); 4];
             for (r, own) in chosen.iter_mut().enumerate() {
                 let mut most = f64::NEG_INFINITY;
-                let only = given.map(|s| [s[r]]);
+                let only = given.map(|all| [all[0][r]]);
                 for s in only.as_ref().map_or(&SHIFTS[..], |s| &s[..]) {
                     for amplitude in AMPLITUDES {
                         let l = log_likelihood(&of, amplitude, *s, r)?;
@@ -374,7 +385,7 @@ impl Process {
             let mut four = Vec::with_capacity(4);
             for (r, a) in amplitude.iter().enumerate() {
                 let llt =
-                    system(&of, *a, noise(shift[r], k, r)).llt(Side::Lower).map_err(|_| fault())?;
+                    system(&of, *a, shift[r], (k, r)).llt(Side::Lower).map_err(|_| fault())?;
                 let (middle, y) = &own[r];
                 let solved = llt.solve(y);
                 alpha[k].iter_mut().enumerate().for_each(|(i, row)| row[r] = solved[(i, 0)]);
@@ -386,7 +397,8 @@ impl Process {
         let swings = vec![1.0; frames.len()];
         let scatter = Scatter { shift, together: ALONE, swings, frames };
         let volume = Volume::none(scatter.swings.len());
-        Ok(Self { coded, volume, amplitude, length, scatter, outputs: fitted, alpha })
+        let shifts = given.map_or_else(|| vec![shift; n], <[_]>::to_vec);
+        Ok(Self { coded, shifts, volume, amplitude, length, scatter, outputs: fitted, alpha })
     }
 
     /// Change of the means at a point for twice the volume, by knot.
@@ -441,7 +453,10 @@ impl Process {
                 let known: f64 = k.iter().zip(&weights[r]).map(|(k, w)| k * w).sum();
                 let all = (own_q + a * own_s - known).max(0.0);
                 let square: f64 = weights[r].iter().map(|w| w * w).sum();
-                let of_fillings = (square * self.scatter.shift[r].powi(2)).min(all);
+                let usual = self.scatter.shift[r].powi(2);
+                let more = |(w, s): (&f64, &[f64; 4])| w * w * (s[r].powi(2) - usual);
+                let more: f64 = weights[r].iter().zip(&self.shifts).map(more).sum();
+                let of_fillings = (square * usual + more).min(all);
                 shared[r] = of_fillings.sqrt();
                 let of_frames = (square * frame[r][r]).min(all - of_fillings);
                 covariance[r][r] = of_frames;

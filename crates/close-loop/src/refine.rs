@@ -79,13 +79,15 @@ impl State<'_> {
             }
             left -= asked.len();
             let mut rigs = Vec::new();
-            for one in &asked {
+            for (k, one) in asked.iter().enumerate() {
                 let (theta, strengths) = one.at.split_at(free);
                 let effects: Vec<(Effect, f64)> =
                     one.effects.iter().cloned().zip(strengths.iter().copied()).collect();
                 let made = self.seen(&one.effects).iter().map(|s| &s.at);
-                let earlier =
-                    made.chain(self.lost(&one.effects)).filter(|at| **at == one.at).count();
+                // Two that are asked for at once are two fillings.
+                let beside = asked[..k].iter().filter(|a| paths(&a.effects) == paths(&one.effects));
+                let before = made.chain(self.lost(&one.effects)).chain(beside.map(|a| &a.at));
+                let earlier = before.filter(|at| **at == one.at).count();
                 let filling = self.runs.filling_at(&one.effects, &one.at, earlier);
                 let (rig, axes) = (&self.setup.rig, &self.setup.axes);
                 rigs.push(rig_with_all(rig, axes, theta, &effects, filling)?);

@@ -6,6 +6,7 @@
 use calib::{CalibError, OperatingPoint};
 
 use crate::anchors::{Anchor, Off, Whole, off};
+use crate::fillings::{self, Restless, Shifts};
 use crate::ignorance::alongside;
 use crate::process::{Local, Process, Scatter, witnesses};
 use crate::unrest::Unrest;
@@ -60,6 +61,8 @@ pub struct Emulator {
     anchors: Vec<Anchor>,
     /// How far single frames scatter.
     unrest: Option<Box<Unrest>>,
+    /// Where fillings differ by more than about the point of use.
+    restless: Vec<Restless>,
 }
 
 impl Emulator {
@@ -129,10 +132,12 @@ impl Emulator {
             modes,
             anchors,
             unrest: None,
+            restless: Vec::new(),
         })
     }
 
-    /// The same for other runs at this model's knots, which scatter as those of this one do.
+    /// The same for other runs at this model's knots, which scatter as those of this one do, unless their fillings are seen to
+    /// differ by more ([`crate::fillings`]).
     pub(crate) fn of_others(
         &self,
         axes: Vec<Axis>,
@@ -141,10 +146,14 @@ impl Emulator {
     ) -> Result<Self, CalibError> {
         let coded = coded(&axes, &origin, samples)?;
         check_runs(&self.knots, samples)?;
+        let restless = self.restless(&axes, &origin, samples);
         let mut loads = Vec::new();
         for (l, own) in self.loads.iter().enumerate() {
             let (mean, excess) = of_load(samples, (l, &own.at));
-            let process = own.process.of_others((coded.clone(), excess), &mean)?;
+            let scatter = &own.process.scatter;
+            let shift = |s: &Sample| fillings::at(scatter, &restless, l, &place(&axes, &s.at)).sd;
+            let shifts: Vec<[f64; 4]> = samples.iter().map(shift).collect();
+            let process = own.process.of_others((coded.clone(), excess), &mean, &shifts)?;
             let (at, speeds_rpm) = (own.at.clone(), own.speeds_rpm.clone());
             loads.push(OfLoad { at, speeds_rpm, process, ..*own });
         }
@@ -161,7 +170,36 @@ impl Emulator {
             variance: self.variance.clone(),
             modes: Vec::new(),
             anchors: Vec::new(),
+            restless,
         })
+    }
+
+    /// Where drums of other runs that differ by nothing but their fillings differ by more than those of this model. Its own, which
+    /// lack what the others have, tell that already.
+    fn restless(&self, axes: &[Axis], origin: &[f64], samples: &[Sample]) -> Vec<Restless> {
+        let free = self.axes.len();
+        let lacks = |s: &Sample| s.at.get(free..) == origin.get(free..);
+        let own: Vec<Sample> = samples.iter().filter(|s| !lacks(s)).cloned().collect();
+        let mut all = Vec::new();
+        for at in fillings::refilled(&own) {
+            let of_volume = self.of_volume(&at[..free]);
+            let level = |s: &Sample| -> Vec<[f64; 4]> {
+                let less = |k: usize, r: usize| s.excess[self.knots[k].load] * of_volume[k][r];
+                let each = s.mean.iter().enumerate();
+                each.map(|(k, m)| std::array::from_fn(|r| m[r] - less(k, r))).collect()
+            };
+            let same = own.iter().filter(|s| s.at == at);
+            if let Some(of_load) = self.unlike(&same.map(level).collect::<Vec<_>>()) {
+                all.push(Restless::new((place(axes, &at), free), of_load));
+            }
+        }
+        all
+    }
+
+    /// How fillings with a load shift at a point.
+    pub(crate) fn shifts_at(&self, load: usize, at: &[f64]) -> Shifts {
+        let scatter = &self.loads[load].process.scatter;
+        fillings::at(scatter, &self.restless, load, &place(&self.axes, at))
     }
 
     /// Shift the model of a stand-in by what it is off from runs of the whole rig: of those without effects, and with no others than
@@ -335,6 +373,7 @@ impl Emulator {
     /// What is known at the knots, without modes; of the whole rig where this is a stand-in.
     pub(crate) fn moments(&self, at: &[f64]) -> Local {
         let mut local = self.known(&code(&self.axes, &self.origin, at));
+        local.fillings = (0..self.loads.len()).map(|l| self.shifts_at(l, at)).collect();
         let Off { shift, unsure } = self.off(at);
         for ((mean, covariance), off) in local.at.iter_mut().zip(&shift) {
             mean.iter_mut().zip(off.0).for_each(|(m, b)| *m += b);
@@ -362,12 +401,14 @@ impl Emulator {
     /// measured: of one filling 1 where one run was made, more where nothing is known.
     pub(crate) fn doubt(&self, at: &[f64]) -> f64 {
         let local = self.known(&code(&self.axes, &self.origin, at));
+        let shifts: Vec<Shifts> = (0..self.loads.len()).map(|l| self.shifts_at(l, at)).collect();
         let mut sum = 0.0;
         for (k, (_, covariance)) in local.at.iter().enumerate() {
             let (scatter, place) = self.scatter_at(k);
             let fillings = self.loads[self.knots[k].load].fillings;
             for (r, row) in covariance.iter().enumerate() {
-                let run = scatter.frames[place][r][r] + scatter.shift[r].powi(2);
+                let shift = shifts[self.knots[k].load].sd[r];
+                let run = scatter.frames[place][r][r] + shift.powi(2);
                 let unknown = self.missed(k) * local.unknown[k][r];
                 let own = row[r] + local.shared[k][r].powi(2) + unknown.powi(2);
                 sum += fillings * 0.25 * own / run.max(f64::MIN_POSITIVE);

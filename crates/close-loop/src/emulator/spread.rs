@@ -3,7 +3,6 @@
 use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 
 use super::Emulator;
-use super::load::OfLoad;
 use crate::ignorance::BESIDE;
 use crate::process::Local;
 use crate::speeds::weights;
@@ -66,8 +65,9 @@ impl Emulator {
             spline.iter().map(|w| std::array::from_fn(|r| value(w, r))).collect()
         };
         let load = |k: usize| &self.loads[self.knots[k].load];
-        let of_means = |own: &OfLoad| own.process.scatter.shift.map(|s| s / own.fillings.sqrt());
-        let shift: Vec<[f64; 4]> = (0..self.knots.len()).map(|k| of_means(load(k))).collect();
+        let of_means =
+            |k: usize| local.fillings[self.knots[k].load].sd.map(|s| s / load(k).fillings.sqrt());
+        let shift: Vec<[f64; 4]> = (0..self.knots.len()).map(of_means).collect();
         // How much solid the measured filling holds is known to a part.
         let of_volume = |(k, g): (usize, &[f64; 4])| g.map(|g| load(k).volume_sd * g);
         let volume: Vec<[f64; 4]> = local.of_volume.iter().enumerate().map(of_volume).collect();
@@ -90,7 +90,7 @@ impl Emulator {
         for (a, pa) in points.iter().enumerate() {
             for (b, pb) in points.iter().enumerate().take(a + 1) {
                 // Fillings of two loads have nothing to do with each other.
-                let same = (pa.load == pb.load).then(|| &self.loads[pa.load].process.scatter);
+                let same = (pa.load == pb.load).then(|| &local.fillings[pa.load]);
                 let mut block = [[0.0; 4]; 4];
                 for (k, (_, own)) in local.at.iter().enumerate() {
                     let w = spline[a][k] * spline[b][k];
@@ -107,9 +107,9 @@ impl Emulator {
                         *c += BESIDE[r][s] * both;
                     }
                     for own in &of_fillings {
-                        let Some(scatter) = same else { break };
+                        let Some(shifts) = same else { break };
                         for (s, c) in row.iter_mut().enumerate() {
-                            *c += scatter.together[r][s] * (own[a][r] * own[b][s]);
+                            *c += shifts.together[r][s] * (own[a][r] * own[b][s]);
                         }
                     }
                     for mode in modes.iter().chain(same.map(|_| &volume)) {
