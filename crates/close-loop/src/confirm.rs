@@ -272,12 +272,9 @@ fn compared(
         seen - excess(knots[k].load) * of_volume[k][r]
     };
     // Fillings may differ by more than those of the calibrated drum.
-    let level = |m: &Made| -> Vec<[f64; 4]> {
-        let less = |k: usize, r: usize| m.excess[knots[k].load] * of_volume[k][r];
-        let each = m.rows[..knots.len()].iter().enumerate();
-        each.map(|(k, row)| std::array::from_fn(|r| row.1.mean[r] - less(k, r))).collect()
-    };
-    let own = base.unlike(&runs.iter().map(level).collect::<Vec<_>>());
+    let at: Vec<f64> = theta.iter().copied().chain(effects.iter().map(|(_, s)| *s)).collect();
+    let samples: Vec<Sample> = runs.iter().map(|run| sample(at.clone(), run)).collect();
+    let own = base.unlike(&samples.iter().collect::<Vec<_>>());
     let restless = own.filter(|_| !effects.is_empty());
     let usual = || (0..state.setup.loads.len()).map(|load| base.shifts_at(load, theta)).collect();
     let fillings: Vec<Shifts> = restless.clone().unwrap_or_else(usual);
@@ -365,8 +362,6 @@ fn compared(
     named.extend(effects.iter().map(|(e, s)| (e.path.clone(), *s)));
     let effect = (!effects.is_empty())
         .then(|| effects.iter().map(|(e, _)| e.path.clone()).collect::<Vec<_>>().join(" + "));
-    let at: Vec<f64> = theta.iter().copied().chain(effects.iter().map(|(_, s)| *s)).collect();
-    let samples = runs.iter().map(|run| sample(at.clone(), run)).collect();
     let side = Side { effect, at: named, fillings: runs.len(), errors, predictions };
     let theta = theta.to_vec();
     let codes_differ = state.codes_differ;

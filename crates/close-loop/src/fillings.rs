@@ -161,12 +161,20 @@ pub(crate) fn refilled(runs: &[Sample]) -> Vec<Vec<f64>> {
 
 impl Emulator {
     /// How fillings shift that drums show which differ by nothing else, load by load, if they differ by more than about the point
-    /// that this model is for; `runs` are their responses at the knots, of the volume expected.
-    pub(crate) fn unlike(&self, runs: &[Vec<[f64; 4]>]) -> Option<Vec<Shifts>> {
+    /// that this model is for. Free parameters come first in where they are.
+    pub(crate) fn unlike(&self, drums: &[&Sample]) -> Option<Vec<Shifts>> {
         let loads = self.knots().last()?.load + 1;
-        if runs.len() < LEAST {
+        if drums.len() < LEAST {
             return None;
         }
+        // As if they had the volume that is expected.
+        let of_volume = self.of_volume(drums[0].at.get(..self.axes().len())?);
+        let level = |s: &&Sample| -> Vec<[f64; 4]> {
+            let less = |k: usize, r: usize| s.excess[self.knots()[k].load] * of_volume[k][r];
+            let each = s.mean.iter().enumerate();
+            each.map(|(k, m)| std::array::from_fn(|r| m[r] - less(k, r))).collect()
+        };
+        let runs: Vec<Vec<[f64; 4]>> = drums.iter().map(level).collect();
         let more = (runs.len() - 1) as f64;
         let (mut excess, mut all) = (0.0, Vec::new());
         for load in 0..loads {

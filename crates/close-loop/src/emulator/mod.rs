@@ -182,14 +182,8 @@ impl Emulator {
         let own: Vec<Sample> = samples.iter().filter(|s| !lacks(s)).cloned().collect();
         let mut all = Vec::new();
         for at in fillings::refilled(&own) {
-            let of_volume = self.of_volume(&at[..free]);
-            let level = |s: &Sample| -> Vec<[f64; 4]> {
-                let less = |k: usize, r: usize| s.excess[self.knots[k].load] * of_volume[k][r];
-                let each = s.mean.iter().enumerate();
-                each.map(|(k, m)| std::array::from_fn(|r| m[r] - less(k, r))).collect()
-            };
-            let same = own.iter().filter(|s| s.at == at);
-            if let Some(of_load) = self.unlike(&same.map(level).collect::<Vec<_>>()) {
+            let same: Vec<&Sample> = own.iter().filter(|s| s.at == at).collect();
+            if let Some(of_load) = self.unlike(&same) {
                 all.push(Restless::new((place(axes, &at), free), of_load));
             }
         }
