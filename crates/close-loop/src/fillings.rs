@@ -12,7 +12,7 @@ use calib::variance_ratio_p;
 use crate::driver::{Stage, State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::process::Scatter;
+use crate::process::{HALF_SURE, Scatter};
 use crate::refine::{Asked, NEAR as BESIDE};
 
 /// Drums that differ by nothing but their fillings and are enough to ask how fillings differ.
@@ -20,9 +20,6 @@ pub(crate) const LEAST: usize = 4;
 
 /// Probability of what they show if fillings there were as anywhere, below which they are not.
 const LEVEL: f64 = 1e-4;
-
-/// Number of drums by which correlations are believed by half.
-const HALF_SURE: f64 = 6.0;
 
 /// How far fillings are as they were seen to be along the strength of an effect, units: a standard deviation.
 const NEAR: f64 = 0.5;

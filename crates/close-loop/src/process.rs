@@ -56,7 +56,7 @@ const LEAST_SWINGS: f64 = 0.5;
 /// Part of a correlation of shifts that many runs are sure of.
 const SURE: f64 = 0.9;
 /// Number of runs that are sure of half of that.
-const HALF_SURE: f64 = 6.0;
+pub(crate) const HALF_SURE: f64 = 6.0;
 /// Shifts that have nothing to do with each other.
 const ALONE: [[f64; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
