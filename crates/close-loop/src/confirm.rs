@@ -517,11 +517,67 @@ fn assumed(
 
 #[cfg(test)]
 mod tests {
-    use super::figures;
+    use campaign::{Laboratory, Sampling};
+
+    use super::*;
+    use crate::fixture::{FRICTIONS, nothing_known, run};
 
     #[test]
     fn strengths_are_written_with_three_figures() {
         let all = [8551.63, 0.00341, -1.6142, 0.0, 12.0].map(figures);
         assert_eq!(all, ["8552", "0.00341", "-1.61", "0.00", "12.0"]);
+    }
+
+    /// A fresh run that shows the same at both speeds.
+    fn made(mean: [f64; 4]) -> Made {
+        let covariance = std::array::from_fn(|r| std::array::from_fn(|c| f64::from(r == c) * 1e-3));
+        let (sd, n_eff) = ([0.3; 4], [20.0; 4]);
+        let row = |omega_rpm: f64| SpeedRow {
+            omega_rpm,
+            mean,
+            sd,
+            covariance,
+            n_eff,
+            n_frames: 20,
+            rejected: 0,
+            fill: None,
+            approach_s: 1.0,
+        };
+        let mut made = Made::default();
+        made.rows = [50.0, 80.0].map(|s| (OperatingPoint::from(s), row(s))).to_vec();
+        made.excess = vec![0.0];
+        made
+    }
+
+    #[test]
+    fn fresh_runs_that_differ_by_their_fillings_are_held_to_their_own_scatter() {
+        let folder = tempfile::tempdir().unwrap();
+        let lab = Laboratory::open(folder.path(), 1, Sampling::default()).unwrap();
+        let mut state = nothing_known(&lab, "", "30,0.3,31,0.3,10,0.3,15,0.3,20");
+        let shown = |mid: f64| [30.0, mid, 10.0, 15.0];
+        let departures = [-1.2, 0.9, 0.3, -0.7, 1.3, -0.6];
+        let of_base = |k: usize| run(FRICTIONS[k / 2], &[], shown(31.0 + 0.2 * departures[k % 6]));
+        state.base = (0..18).map(of_base).collect();
+        state.theta = vec![0.5];
+        let base = state.base_model().unwrap();
+        let wall = state.effect("friction.mantle").unwrap().clone();
+        // Six fillings whose middle line is on average 2 deg steeper than the one that was measured.
+        let fresh = |sd: f64, effects: &[(Effect, f64)]| {
+            let runs = departures.map(|d| made(shown(33.0 + sd * d))).to_vec();
+            compared(&state, &base, &[0.5], effects, (runs, Vec::new())).unwrap()
+        };
+        let with = [(wall, 0.15)];
+        let (alike, unlike) = (fresh(0.2, &with), fresh(2.0, &with));
+        assert!(alike.restless.is_none());
+        assert!(alike.side.errors.p_all < CONTRADICTED, "{:?}", alike.side.errors);
+        let own = unlike.restless.as_ref().unwrap()[0];
+        // The standard deviation of the six is 1.98.
+        assert!((1.9..2.0).contains(&own.sd[1]), "{own:?}");
+        assert!(unlike.side.errors.p_all > 0.1, "{:?}", unlike.side.errors);
+        // The measured filling and the mean of six: sqrt(1 + 1/6) of that.
+        let mid = |f: &Fresh| f.points[1].1;
+        assert!((2.0..2.3).contains(&mid(&unlike)) && mid(&alike) < 0.5, "{}", mid(&unlike));
+        // The calibrated drum is never excused by what its own fresh runs scatter by.
+        assert!(fresh(2.0, &[]).restless.is_none());
     }
 }
