@@ -222,10 +222,7 @@ mod tests {
     use campaign::{Laboratory, Sampling};
 
     use super::*;
-    use crate::fixture::{FRICTIONS, nothing_known, run};
-
-    /// Departures of fillings from their mean, in standard deviations.
-    const SIX: [f64; 6] = [-1.2, 0.9, 0.3, -0.7, 1.3, -0.6];
+    use crate::fixture::{FRICTIONS, SIX, nothing_known, run};
 
     /// A drum whose middle line differs by `sd` from one filling to the next.
     fn filled(friction: f64, strengths: &[f64], sd: f64, nth: usize) -> Sample {

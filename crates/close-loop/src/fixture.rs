@@ -32,6 +32,9 @@ const HEAD: &str = "omega_rpm,aor_lin_deg,aor_lin_sd,aor_mid_deg,aor_mid_sd,cen_
 /// Frictions that were run without any effect.
 pub(crate) const FRICTIONS: [f64; 9] = [0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7];
 
+/// Departures of six fillings from their mean, in standard deviations.
+pub(crate) const SIX: [f64; 6] = [-1.2, 0.9, 0.3, -0.7, 1.3, -0.6];
+
 /// Its state before anything is run, for `more` lines of the case and the same row of the table at both speeds.
 pub(crate) fn nothing_known<'l>(lab: &'l Laboratory, more: &str, row: &str) -> State<'l> {
     let case = Case::parse("case.toml", &format!("{CASE}{more}")).unwrap();
