@@ -3,6 +3,7 @@
 use calib::{CalibError, OperatingPoint, Predicted, Simulator};
 
 use crate::emulator::Emulator;
+use crate::filmed::Filmed;
 
 /// How an effect changes the responses.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,18 +12,8 @@ pub enum Change {
     Shift(usize),
     /// Divides both coordinates of the centre of area: an error of the radius.
     Divide,
-    /// Change at each knot for one unit of strength and for its square, with the variance of the
-    /// first.
-    Filmed {
-        /// Strength over this is the unit.
-        unit: f64,
-        /// Change for one unit.
-        first: Vec<[f64; 4]>,
-        /// Change for its square.
-        second: Vec<[f64; 4]>,
-        /// Variance of `first`.
-        variance: Vec<[f64; 4]>,
-    },
+    /// By another camera.
+    Filmed(Filmed),
 }
 
 /// A base model with one such effect; its parameters are the base's and the strength.
@@ -52,12 +43,7 @@ impl Curve {
         match &self.change {
             Change::Shift(r) => four[*r] += strength - self.null,
             Change::Divide => four[2..].iter_mut().for_each(|v| *v /= strength / self.null),
-            Change::Filmed { unit, first, second, .. } => {
-                let v = (strength - self.null) / unit;
-                for (r, value) in four.iter_mut().enumerate() {
-                    *value += v * first[k][r] + v * v * second[k][r];
-                }
-            }
+            Change::Filmed(filmed) => filmed.shift(k, strength - self.null, four),
         }
     }
 }
@@ -79,11 +65,9 @@ impl Simulator for Curve {
         let mut local = self.base.moments(base);
         for (k, four) in local.at.iter_mut().enumerate() {
             self.shift(k, strength, &mut four.0);
-            if let Change::Filmed { unit, variance, .. } = &self.change {
-                let v = (strength - self.null) / unit;
-                for (r, own) in variance[k].iter().enumerate() {
-                    four.1[r][r] += v * v * own;
-                }
+            if let Change::Filmed(filmed) = &self.change {
+                let variance = filmed.variance(k, strength - self.null);
+                variance.iter().enumerate().for_each(|(r, own)| four.1[r][r] += own);
             }
         }
         Ok(self.base.spread(at, &local))

@@ -24,6 +24,7 @@ mod driver;
 mod emulator;
 mod error;
 mod fillings;
+mod filmed;
 #[cfg(test)]
 mod fixture;
 mod ignorance;

@@ -242,7 +242,7 @@ impl State<'_> {
     /// What an effect does that is known exactly.
     fn exact(&self, effect: &Effect) -> Option<Change> {
         let change = self.curves.get(&effect.path)?;
-        (!matches!(change, Change::Filmed { .. })).then(|| change.clone())
+        (!matches!(change, Change::Filmed(_))).then(|| change.clone())
     }
 
     /// Ranges of the free parameters and of an effect.

@@ -6,6 +6,7 @@ use crate::catalogue::Effect;
 use crate::curve::Change;
 use crate::driver::{Stage, State, Told, is_simulated};
 use crate::error::CloseLoopError;
+use crate::filmed::{Filmed, Films};
 use crate::runs::{Made, rig_with, sample};
 
 impl State<'_> {
@@ -146,43 +147,20 @@ impl State<'_> {
             }
         }
         let runs = self.runs.all(Stage::Filming, &rigs, watch)?;
-        let knots = self.setup.knots.len();
-        let (mut first, mut second) = (vec![[0.0; 4]; knots], vec![[0.0; 4]; knots]);
-        let mut slopes: Vec<Vec<[f64; 4]>> = Vec::new();
-        for k in 0..count {
-            let [Some(zero), Some(down), Some(up)] =
-                [&runs[k], &runs[count + k], &runs[2 * count + k]]
-            else {
-                continue;
-            };
-            let mut own = vec![[0.0; 4]; knots];
-            for i in 0..knots {
-                for r in 0..4 {
-                    let seen = |made: &Made| made.rows[i].1.mean[r];
-                    let (z, d, u) = (seen(zero), seen(down), seen(up));
-                    own[i][r] = 0.5 * (u - d);
-                    first[i][r] += own[i][r];
-                    second[i][r] += 0.5 * (u + d) - z;
-                }
-            }
-            slopes.push(own);
-        }
-        if slopes.is_empty() {
-            let why = "none of its films could be measured".to_owned();
-            self.setup.catalogue.left_out.push((effect.path.clone(), why));
-            return Ok(None);
-        }
-        let n = slopes.len() as f64;
-        first.iter_mut().chain(&mut second).flatten().for_each(|v| *v /= n);
-        let variance = (0..knots)
-            .map(|i| {
-                std::array::from_fn(|r| {
-                    let spread: f64 = slopes.iter().map(|s| (s[i][r] - first[i][r]).powi(2)).sum();
-                    // A film of the same motion is good to a hundredth of a degree.
-                    1e-4 + if slopes.len() > 1 { spread / ((n - 1.0) * n) } else { 0.01 }
-                })
+        let means = |made: &Made| made.rows.iter().map(|(_, row)| row.mean).collect();
+        let films: Vec<Films> = (0..count)
+            .filter_map(|k| {
+                let of = |which: usize| runs[which * count + k].as_ref().map(means);
+                Some(Films { zero: of(0)?, down: of(1)?, up: of(2)? })
             })
             .collect();
-        Ok(Some(Change::Filmed { unit, first, second, variance }))
+        let loads: Vec<usize> = self.setup.knots.iter().map(|k| k.load).collect();
+        let turns = effect.path == "camera.roll_deg";
+        let filmed = Filmed::of(&films, &loads, (unit, turns));
+        if filmed.is_none() {
+            let why = "none of its films could be measured".to_owned();
+            self.setup.catalogue.left_out.push((effect.path.clone(), why));
+        }
+        Ok(filmed.map(Change::Filmed))
     }
 }
