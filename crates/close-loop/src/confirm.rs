@@ -15,6 +15,7 @@ use crate::driver::{CloseLoop, Stage, State, Told};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
 use crate::fillings::Shifts;
+use crate::mostly;
 use crate::outcome::{Errors, Outcome, Side, SpeedResponse, StrengthOf};
 use crate::predict::{predicted_rows, predictions};
 use crate::process::Local;
@@ -139,12 +140,17 @@ pub(crate) fn outcome(
             }
         }
     }
+    // What is missing for the most part does not fit, neither by its model nor by fresh runs.
+    let mostly = mostly::named(&finding, this.settings.attribution.level).is_some();
     let confirmed = match &after {
+        Some(a) if mostly => Some(mostly::borne_out(&before.side.errors, &a.side.errors)),
         Some(a) if is_pair => Some(a.side.errors.p_all > CONTRADICTED_PAIR),
         Some(a) => Some(a.side.errors.p_all > CONTRADICTED),
         None => failed.then_some(false),
     };
-    let strengths = compare::strengths(&state.setup.catalogue.effects, &finding, &names);
+    let catalogue = &state.setup.catalogue.effects;
+    let mut strengths = compare::strengths(catalogue, &finding, &names);
+    mostly::widen(&mut strengths, catalogue, &finding, this.settings.attribution.level);
     let with = after.as_ref().unwrap_or(&before);
     let (items, fitted) =
         compare::everything(&state.setup.observations, state.setup.held_out.as_ref());
@@ -158,7 +164,10 @@ pub(crate) fn outcome(
         (Verdict::Effect(_) | Verdict::Class(_), _) if names.len() == 1 => "effect",
         (Verdict::Effect(_) | Verdict::Class(_), _) => "class",
     };
-    let sentence = sentence(&finding, verdict, &strengths, is_pair);
+    let mut sentence = sentence(&finding, verdict, &strengths, is_pair);
+    if verdict == "effect" && mostly {
+        sentence += &mostly::beside(&finding, this.settings.attribution.level);
+    }
     let outcome = Outcome {
         case: this.case.rig.name.clone(),
         verdict,

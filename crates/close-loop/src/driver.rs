@@ -95,6 +95,9 @@ const BARELY: f64 = 0.05;
 /// How often a question is asked again with the fresh runs of its answer.
 const RETRIES: usize = 5;
 
+/// Fresh runs after all others.
+pub(crate) const LAST_ROUND: usize = RETRIES + 2;
+
 /// The same where every fresh run is of a rig whose cost a stand-in had to save.
 const FEW_RETRIES: usize = 3;
 
@@ -247,6 +250,7 @@ impl CloseLoop<'_> {
     pub fn run(&self, watch: &mut dyn FnMut(&Told)) -> Result<Outcome, CloseLoopError> {
         let (mut state, finding) = self.stages(watch)?;
         let outcome = self.answer(&mut state, finding, watch)?;
+        let outcome = self.or_most(&mut state, outcome, watch)?;
         self.next(&mut state, outcome, watch)
     }
 

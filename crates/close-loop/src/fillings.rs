@@ -12,6 +12,7 @@ use calib::variance_ratio_p;
 use crate::driver::{Stage, State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
+use crate::mostly::LEAVES;
 use crate::process::{HALF_SURE, Scatter};
 use crate::refine::{Asked, NEAR as BESIDE};
 
@@ -32,9 +33,6 @@ const REFILLED: usize = 6;
 
 /// Places of an effect at which that is done: the best point moves once its surface knows how fillings differ.
 pub(crate) const PLACES: usize = 2;
-
-/// Part of chi-square that an effect leaves, below which it is asked whether fillings are what is in the way of a fit.
-const LEAVES: f64 = 0.1;
 
 /// How the responses of one filling of a drum shift, at all its speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -29,6 +29,7 @@ mod filmed;
 mod fixture;
 mod ignorance;
 mod models;
+mod mostly;
 mod next;
 mod outcome;
 mod outlook;
