@@ -89,7 +89,8 @@ pub(crate) fn borne_out(before: &Errors, after: &Errors) -> bool {
 }
 
 impl CloseLoop<'_> {
-    /// The answer, or where that is "unknown" what is missing for the most part.
+    /// The answer, or where that is "unknown" what is missing for the most part. (Not where a stand-in had to save the cost of the rig
+    /// itself: its fresh runs are for what fits.)
     pub(crate) fn or_most(
         &self,
         state: &mut State<'_>,
