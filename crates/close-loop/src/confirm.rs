@@ -143,7 +143,7 @@ pub(crate) fn outcome(
     // What is missing for the most part does not fit, neither by its model nor by fresh runs.
     let mostly = mostly::named(&finding, this.settings.attribution.level).is_some();
     let confirmed = match &after {
-        Some(a) if mostly => Some(mostly::borne_out(&before.side.errors, &a.side.errors)),
+        Some(a) if mostly => Some(mostly::is_little(a.side.errors.chi2, before.side.errors.chi2)),
         Some(a) if is_pair => Some(a.side.errors.p_all > CONTRADICTED_PAIR),
         Some(a) => Some(a.side.errors.p_all > CONTRADICTED),
         None => failed.then_some(false),
@@ -165,7 +165,7 @@ pub(crate) fn outcome(
         (Verdict::Effect(_) | Verdict::Class(_), _) => "class",
     };
     let mut sentence = sentence(&finding, verdict, &strengths, is_pair);
-    if verdict == "effect" && mostly {
+    if verdict == "effect" {
         sentence += &mostly::beside(&finding, this.settings.attribution.level);
     }
     let outcome = Outcome {

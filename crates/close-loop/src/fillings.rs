@@ -12,7 +12,7 @@ use calib::variance_ratio_p;
 use crate::driver::{Stage, State, Told, is_simulated};
 use crate::emulator::{Emulator, Sample};
 use crate::error::CloseLoopError;
-use crate::mostly::LEAVES;
+use crate::mostly::is_little;
 use crate::process::{HALF_SURE, Scatter};
 use crate::refine::{Asked, NEAR as BESIDE};
 
@@ -118,7 +118,7 @@ impl State<'_> {
             .iter()
             .filter(|r| self.effect(&r.name).is_some_and(is_simulated))
             .min_by(|a, b| a.fit.deviance.total_cmp(&b.fit.deviance))
-            .filter(|r| r.fit.chi2 <= LEAVES * finding.base.chi2);
+            .filter(|r| is_little(r.fit.chi2, finding.base.chi2));
         let Some(effect) = nearest.and_then(|r| self.effect(&r.name)).cloned() else {
             return Ok(false);
         };
