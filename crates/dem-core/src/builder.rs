@@ -47,12 +47,12 @@ pub enum Kernels {
     /// The widest that the processor has.
     #[default]
     Fastest,
-    /// The widest, with products that are not rounded before they are added to something: closer to exact arithmetic, but
-    /// not the bits of the others. Runs are the same for any number of threads and with AVX-512 as with AVX2; where there is neither
+    /// The widest, with products that are not rounded before they are added to something, one division for several
+    /// reciprocals and the spring's length by a series, all to rounding, but not the bits of the others. Runs are the same for any number of threads and with AVX-512 as with AVX2; where there is neither
     /// they are those of [`Kernels::Portable`].
     Fused,
-    /// The same, with reciprocal roots by table and two Newton steps where AVX-512 is there:
-    /// about two units in the last place from exact, each. Runs are still the same for any number
+    /// The same, with the reciprocal roots of the limits to friction and rolling by table and two Newton steps where AVX-512 is
+    /// there: about two units in the last place from exact, each. Runs are still the same for any number
     /// of threads, but not between processors with and without AVX-512.
     FastRoots,
     /// At most AVX2.

@@ -2,15 +2,15 @@
 //! simplified JKR: eight contacts at once; spring and torque in EDEM's forms too.
 //!
 //! Operation by operation the portable path: `forces.rs` for the kinematics, then
-//! `normal/hertz.rs`, `contact/spring.rs`, `contact/friction.rs`, `tangential/mindlin.rs` and
+//! `normal/hertz.rs`, `contact/spring.rs` (in `carried.rs`), `contact/friction.rs`, `tangential/mindlin.rs` and
 //! `mindlin_total_spring.rs`, `rolling/constant_torque.rs` and `absolute_spin.rs`, `cohesion/sjkr.rs` and
 //! `contact/model.rs`. Whoever changes one of them changes this
 //! too: `simd_and_portable_kernels_agree_bit_by_bit` tells.
 
 use super::blocks::Blocks;
+use super::carried::{Before, LEAST};
 use super::lanes::{Mask, Numbers, V3};
 use super::{Constants, Form};
-use crate::contact::spring::{COSINE, SINE};
 
 /// Numbers that a contact of these laws remembers: the spring's force and its signed stiffness.
 pub(crate) const SLOTS: usize = 4;
@@ -62,6 +62,10 @@ pub(super) struct Laws<V> {
     /// Roots of `2 E*` and `8 G*`.
     normal_root: V,
     shear_root: V,
+    /// Of fused kernels: `4/3 E*`, and both dampings times these roots.
+    hertz: V,
+    viscous: V,
+    dashpot: V,
 }
 
 impl<V: Blocks> Laws<V> {
@@ -102,6 +106,9 @@ impl<V: Blocks> Laws<V> {
             energy_density: make(|c| c.energy_density),
             normal_root: make(|c| (2.0 * c.e_star).sqrt()),
             shear_root: make(|c| (8.0 * c.g_star).sqrt()),
+            hertz: make(|c| 4.0 / 3.0 * c.e_star),
+            viscous: make(|c| c.normal_damping * (2.0 * c.e_star).sqrt()),
+            dashpot: make(|c| c.shear_damping * (8.0 * c.g_star).sqrt()),
         }
     }
 }
@@ -115,6 +122,8 @@ pub(super) struct Motion<V> {
     pub(super) slip: V3<V>,
     pub(super) spin_i: V3<V>,
     pub(super) spin_j: V3<V>,
+    /// Part of the difference of spins along the normal.
+    pub(super) spin_along: V,
     pub(super) lever_i: V,
     pub(super) lever_j: V,
     pub(super) r_star: V,
@@ -149,44 +158,21 @@ fn limit<V: Numbers, const FAST: bool>(
     if slides.is_empty() {
         return (trial, slides);
     }
-    let scaled = if FAST {
-        trial * (bound * size2.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root())
-    } else {
-        trial * (bound / size2.sqrt())
-    };
+    let scaled = trial * over_root::<V, FAST>(bound, size2);
     (scaled.select(slides, trial), slides)
 }
 
-/// Root of numbers that are not negative.
+/// `x` over the root of `square`, if that is positive.
 #[inline(always)]
-fn root<V: Numbers, const FAST: bool>(x: V) -> V {
-    if FAST { x * x.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root() } else { x.sqrt() }
-}
-
-/// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
-/// matter.
-#[inline(always)]
-fn small_sin_cos<V: Blocks>(x: V, used: V::Mask) -> (V, V) {
-    let one = V::splat(1.0);
-    let x2 = x * x;
-    // Not by `map`: its closure would not be compiled for the instructions of the kernel.
-    let (s3, s5, s7, s9) =
-        (V::splat(SINE[0]), V::splat(SINE[1]), V::splat(SINE[2]), V::splat(SINE[3]));
-    let (c2, c4, c6, c8) =
-        (V::splat(COSINE[0]), V::splat(COSINE[1]), V::splat(COSINE[2]), V::splat(COSINE[3]));
-    let s = x2.times_plus(x2.times_plus(x2.times_plus(x2.times_plus(s9, s7), s5), s3), one);
-    let cos = x2.times_plus(x2.times_plus(x2.times_plus(x2.times_plus(c8, c6), c4), c2), one);
-    let sin = x * s;
-    let large = V::splat(0.1).less(x.abs()) & used;
-    if large.is_empty() { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
-}
-
-/// The lanes of large twists by the library's functions.
-#[cold]
-fn large_sin_cos<V: Blocks>(x: V, sin: V, cos: V, large: V::Mask) -> (V, V) {
-    let each = x.each();
-    let (sines, cosines) = (V::of(|b, l| each[b][l].sin()), V::of(|b, l| each[b][l].cos()));
-    (sines.select(large, sin), cosines.select(large, cos))
+fn over_root<V: Numbers, const FAST: bool>(x: V, square: V) -> V {
+    if FAST {
+        x * square.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root()
+    } else if V::FUSED {
+        // Neither waits for the other.
+        x / square * square.sqrt()
+    } else {
+        x / square.sqrt()
+    }
 }
 
 /// Simplified JKR.
@@ -211,55 +197,51 @@ fn against<V: Numbers, const FAST: bool>(spin: V3<V>, limit: V) -> V3<V> {
     let (speed2, tiny) = (spin.dot(spin), V::splat(f64::MIN_POSITIVE));
     if FAST {
         spin * (-limit * speed2.max(tiny).reciprocal_root())
+    } else if V::FUSED {
+        spin * over_root::<V, FAST>(-limit, speed2.max(V::splat(LEAST)))
     } else {
         spin * (-limit / speed2.sqrt().max(tiny))
     }
 }
 
-/// The laws.
+/// The laws, of spheres that are `ALIKE` or of any two.
 #[inline(always)]
-pub(super) fn respond<V: Blocks, const FAST: bool>(
+pub(super) fn respond<V: Blocks, const FAST: bool, const ALIKE: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
     features: Features,
-    old: V3<V>,
-    old_stiffness: V,
+    before: &Before<V>,
     touching: V::Mask,
 ) -> Out<V> {
     let (zero, n) = (V::splat(0.0), m.normal);
-    let tiny = V::splat(f64::MIN_POSITIVE);
-    // Transport of the spring with the contact frame.
-    let flat = old.less_times(n, old.dot(n));
-    let (flat2, size2) = (flat.dot(flat), old.dot(old));
-    let alive = zero.less(flat2);
-    let flat = if FAST {
-        flat * (size2 * (size2 * flat2).max(tiny).reciprocal_root())
-    } else {
-        flat * (size2 / flat2).sqrt()
-    };
-    let (sin, cos) = small_sin_cos(m.twist, touching & alive);
-    let carried = n.cross(flat).times_plus(sin, flat * cos).select(alive, V3::splat(0.0));
     // Hertz.
     let delta = m.overlap.max(zero);
-    let a = root::<V, FAST>(m.r_star * delta);
-    let stiffness = V::splat(2.0) * laws.e_star * a;
-    let elastic = V::splat(2.0 / 3.0) * stiffness * delta;
+    let a = (m.r_star * delta).sqrt();
     // Both dashpots go with the root of mass times contact radius.
-    let inertia = root::<V, FAST>(m.m_star * a);
-    let viscosity = laws.normal_damping * (inertia * laws.normal_root);
+    let inertia = (m.m_star * a).sqrt();
+    let (elastic, viscosity, dashpot) = if V::FUSED {
+        (laws.hertz * delta * a, laws.viscous * inertia, laws.dashpot * inertia)
+    } else {
+        let stiffness = V::splat(2.0) * laws.e_star * a;
+        let elastic = V::splat(2.0 / 3.0) * stiffness * delta;
+        let viscosity = laws.normal_damping * (inertia * laws.normal_root);
+        (elastic, viscosity, laws.shear_damping * (inertia * laws.shear_root))
+    };
     let normal = viscosity.times_plus(m.rate, elastic).max(laws.least_force);
     let load = normal.max(zero);
     // Mindlin.
     let k = V::splat(8.0) * laws.g_star * a;
-    let dashpot = laws.shear_damping * (inertia * laws.shear_root);
-    // A new contact carries nothing, so that its share need only be finite.
     let most = if features.form.total_spring { f64::MAX } else { 1.0 };
-    let share = (k / old_stiffness.abs().max(tiny)).min(V::splat(most));
-    let trial = (carried * share).less_times(m.slip * m.dt, k);
+    let carried = before.carried(n, m.twist, k, most, touching);
+    let trial = if V::FUSED {
+        carried.less_times(m.slip, k * m.dt)
+    } else {
+        carried.less_times(m.slip * m.dt, k)
+    };
     let sticking = laws.friction * load;
     let (threshold, bound) = if features.stick_slip {
         let sliding = laws.kinetic * load;
-        (sliding.select(old_stiffness.less(zero), sticking), sliding)
+        (sliding.select(before.stiffness.less(zero), sticking), sliding)
     } else {
         (sticking, sticking)
     };
@@ -269,24 +251,31 @@ pub(super) fn respond<V: Blocks, const FAST: bool>(
     let (damped, _) =
         limit::<V, FAST>(spring.less_times(m.slip, dashpot), sticking, sticking, sticks_damped);
     let shear = damped.select(sticks_damped, spring);
+    let moment = n.cross(shear);
     // Rolling.
-    let (roll_i, roll_j) = if features.form.absolute_spin {
+    let (torque_i, torque_j) = if features.form.absolute_spin {
         let limit_i = laws.arm_ratio.times_plus(m.lever_i, laws.arm_length) * load;
         let limit_j = laws.arm_ratio.times_plus(m.lever_j, laws.arm_length) * load;
-        (against::<V, FAST>(m.spin_i, limit_i), against::<V, FAST>(m.spin_j, limit_j))
+        let roll_i = against::<V, FAST>(m.spin_i, limit_i);
+        let roll_j = against::<V, FAST>(m.spin_j, limit_j);
+        (moment.times_plus(m.lever_i, roll_i), moment.times_plus(m.lever_j, roll_j))
     } else {
         let spin = m.spin_i - m.spin_j;
         let arm = laws.arm_ratio.times_plus(m.r_star, laws.arm_length);
-        let torque = against::<V, FAST>(spin.less_times(n, spin.dot(n)), arm * load);
-        (torque, -torque)
+        let roll = against::<V, FAST>(spin.less_times(n, m.spin_along), arm * load);
+        if ALIKE {
+            let both = moment * m.lever_i;
+            (both + roll, both - roll)
+        } else {
+            (moment.times_plus(m.lever_i, roll), moment.times_less(m.lever_j, roll))
+        }
     };
-    let moment = n.cross(shear);
     let repulsion =
         if features.cohesive { normal - pull(m, laws.energy_density, delta) } else { normal };
     Out {
         force: shear.less_times(n, repulsion),
-        torque_i: moment.times_plus(m.lever_i, roll_i),
-        torque_j: moment.times_plus(m.lever_j, roll_j),
+        torque_i,
+        torque_j,
         spring,
         stiffness: (-k).select(sliding, k),
     }

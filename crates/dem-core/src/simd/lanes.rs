@@ -211,6 +211,16 @@ impl<V: Numbers> V3<V> {
         }
     }
 
+    /// `self * s - o`.
+    #[inline(always)]
+    pub(crate) fn times_less(self, s: V, o: Self) -> Self {
+        Self {
+            x: self.x.times_less(s, o.x),
+            y: self.y.times_less(s, o.y),
+            z: self.z.times_less(s, o.z),
+        }
+    }
+
     /// `self - v * s`.
     #[inline(always)]
     pub(crate) fn less_times(self, v: Self, s: V) -> Self {

@@ -11,6 +11,7 @@ mod avx;
 mod avx2;
 mod avx512;
 mod blocks;
+mod carried;
 mod clumps;
 mod hertz_mindlin;
 mod lanes;

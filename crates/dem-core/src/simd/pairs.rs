@@ -3,6 +3,7 @@
 
 use super::acting::{Acting, Room};
 use super::blocks::{Blocks, MOST, Two};
+use super::carried::Before;
 use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
 use super::lanes::V3;
 use super::{Arithmetic, Constants, Level};
@@ -84,7 +85,12 @@ impl PairKernel<'_> {
         #[cfg(target_arch = "x86_64")]
         {
             #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
-            unsafe fn avx512<const FUSED: bool, const FAST: bool, const MORE: bool>(
+            unsafe fn avx512<
+                const FUSED: bool,
+                const FAST: bool,
+                const ALIKE: bool,
+                const MORE: bool,
+            >(
                 k: &PairKernel<'_>,
                 run: &mut Run<'_>,
                 into: &mut ChunkYield,
@@ -93,12 +99,13 @@ impl PairKernel<'_> {
                 unsafe {
                     let mut room = Room::EMPTY;
                     let acting = k.acting::<Wide<FUSED>>(run, &mut room);
-                    let done = k.blocks::<Two<Wide<FUSED>>, FAST, MORE>(run, &acting, 0, into);
-                    k.blocks::<Wide<FUSED>, FAST, MORE>(run, &acting, done, into);
+                    let done =
+                        k.blocks::<Two<Wide<FUSED>>, FAST, ALIKE, MORE>(run, &acting, 0, into);
+                    k.blocks::<Wide<FUSED>, FAST, ALIKE, MORE>(run, &acting, done, into);
                 }
             }
             #[target_feature(enable = "avx2,fma,popcnt")]
-            unsafe fn avx2<const FUSED: bool, const MORE: bool>(
+            unsafe fn avx2<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
                 k: &PairKernel<'_>,
                 run: &mut Run<'_>,
                 into: &mut ChunkYield,
@@ -107,23 +114,30 @@ impl PairKernel<'_> {
                 unsafe {
                     let mut room = Room::EMPTY;
                     let acting = k.acting::<Pair<FUSED>>(run, &mut room);
-                    k.blocks::<Pair<FUSED>, false, MORE>(run, &acting, 0, into);
+                    k.blocks::<Pair<FUSED>, false, ALIKE, MORE>(run, &acting, 0, into);
                 }
             }
             use super::avx2::Pair;
             use super::avx512::Wide;
-            let of = match (level, self.arithmetic, self.features != Features::NONE) {
-                (Level::Portable, ..) => return,
-                (Level::Avx512, Arithmetic::Exact, false) => avx512::<false, false, false>,
-                (Level::Avx512, Arithmetic::Exact, true) => avx512::<false, false, true>,
-                (Level::Avx512, Arithmetic::Fused, false) => avx512::<true, false, false>,
-                (Level::Avx512, Arithmetic::Fused, true) => avx512::<true, false, true>,
-                (Level::Avx512, Arithmetic::FastRoots, false) => avx512::<true, true, false>,
-                (Level::Avx512, Arithmetic::FastRoots, true) => avx512::<true, true, true>,
-                (Level::Avx2, Arithmetic::Exact, false) => avx2::<false, false>,
-                (Level::Avx2, Arithmetic::Exact, true) => avx2::<false, true>,
-                (Level::Avx2, _, false) => avx2::<true, false>,
-                (Level::Avx2, _, true) => avx2::<true, true>,
+            macro_rules! chosen {
+                ($alike:literal, $more:literal) => {
+                    match (level, self.arithmetic) {
+                        (Level::Portable, _) => return,
+                        (Level::Avx512, Arithmetic::Exact) => avx512::<false, false, $alike, $more>,
+                        (Level::Avx512, Arithmetic::Fused) => avx512::<true, false, $alike, $more>,
+                        (Level::Avx512, Arithmetic::FastRoots) => {
+                            avx512::<true, true, $alike, $more>
+                        }
+                        (Level::Avx2, Arithmetic::Exact) => avx2::<false, $alike, $more>,
+                        (Level::Avx2, _) => avx2::<true, $alike, $more>,
+                    }
+                };
+            }
+            let alike = self.one_size.is_some() && self.constants.len() == 1;
+            let of = match (self.features == Features::NONE, alike) {
+                (true, true) => chosen!(true, false),
+                (true, false) => chosen!(false, false),
+                (false, _) => chosen!(false, true),
             };
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
             unsafe { of(self, run, into) }
@@ -137,7 +151,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in the run is that of a sphere, and `acting` is of that run.
     #[inline(always)]
-    unsafe fn blocks<V: Blocks, const FAST: bool, const MORE: bool>(
+    unsafe fn blocks<V: Blocks, const FAST: bool, const ALIKE: bool, const MORE: bool>(
         &self,
         run: &mut Run<'_>,
         acting: &Acting<'_>,
@@ -168,7 +182,7 @@ impl PairKernel<'_> {
                 valid: [0, 8].map(|k| lowest_bits(acting.count.saturating_sub(done + k))),
             };
             // SAFETY: by the caller; every pair is one of the run.
-            let deep = unsafe { self.block::<V, FAST, MORE>(block, sinks, &laws, nothing) };
+            let deep = unsafe { self.block::<V, FAST, ALIKE, MORE>(block, sinks, &laws, nothing) };
             if deep != [0; MOST] {
                 for ((deep, first), second) in deep.into_iter().zip(block.first).zip(block.second) {
                     self.note_deep(deep, first, second, into);
@@ -196,7 +210,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in `first` and `second` of a block is that of a sphere; the sinks hold what its pairs write.
     #[inline(always)]
-    unsafe fn block<V: Blocks, const FAST: bool, const MORE: bool>(
+    unsafe fn block<V: Blocks, const FAST: bool, const ALIKE: bool, const MORE: bool>(
         &self,
         b: Block<'_>,
         sinks: Sinks,
@@ -204,7 +218,8 @@ impl PairKernel<'_> {
         nothing: f64,
     ) -> [u8; MOST] {
         let s = &self.spheres;
-        let [radius, mass] = [0, 1].map(|k| self.one_size.map(|s| s[k]));
+        let size = if ALIKE { Some(self.one_size.unwrap_or_default()) } else { self.one_size };
+        let [radius, mass] = [0, 1].map(|k| size.map(|s| s[k]));
         // SAFETY: by the caller.
         let (mut d, [rj, ri]) = unsafe { difference::<V>(s.position, b.second, b.first, radius) };
         if let Some(p) = self.period {
@@ -213,14 +228,6 @@ impl PairKernel<'_> {
         let distance_squared = d.dot(d);
         let sum = ri + rj;
         let touching = distance_squared.less(sum * sum) & V::mask(b.valid);
-        let (distance, inverse) = if FAST {
-            let inverse = distance_squared.reciprocal_root();
-            (distance_squared * inverse, inverse)
-        } else {
-            let distance = distance_squared.sqrt();
-            (distance, V::splat(1.0) / distance)
-        };
-        let overlap = sum - distance;
         // SAFETY: by the caller.
         let (approach, [mi, mj], wi, wj, end) = unsafe {
             if let (true, Some(c)) = (MORE, &s.clumps) {
@@ -237,7 +244,7 @@ impl PairKernel<'_> {
             }
         };
         let many;
-        let laws = if self.constants.len() > 1 {
+        let laws = if !ALIKE && self.constants.len() > 1 {
             let (a, c) = (wi[3].each(), wj[3].each());
             many = Laws::lanes(|k, lane| {
                 &self.constants[a[k][lane] as usize * self.materials + c[k][lane] as usize]
@@ -247,39 +254,71 @@ impl PairKernel<'_> {
             only
         };
         let (wi, wj) = (V3::of(wi), V3::of(wj));
+        // SAFETY: by the caller.
+        let old = unsafe { V::quads(sinks.memory, b.pair) };
+        let (old, stiffness) = (V3::of(old), old[3]);
+        let (dt, half) = (V::splat(self.dt), V::splat(0.5));
+        let (distance, inverse, before) = if V::FUSED {
+            let (distance, along) = (distance_squared.sqrt(), old.dot(d));
+            let (before, over) = Before::fused(
+                old,
+                stiffness,
+                distance_squared,
+                #[inline(always)]
+                |over| along * (distance * over),
+            );
+            (distance, distance * over, before)
+        } else {
+            let distance = distance_squared.sqrt();
+            (distance, V::splat(1.0) / distance, Before::exact(old, stiffness))
+        };
+        let overlap = sum - distance;
         let deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
         let n = d * inverse;
-        let dt = V::splat(self.dt);
-        let half = V::splat(0.5);
+        // Parts along the normal: fused kernels do not wait for it.
+        let (approaching, rate, spin_sum, spin_along) = if V::FUSED {
+            let along = |v: V3<V>| v.dot(d) * inverse;
+            (along(approach), along(end), along(wi + wj), along(wi - wj))
+        } else {
+            (approach.dot(n), end.dot(n), (wi + wj).dot(n), (wi - wj).dot(n))
+        };
         let (lever_i, lever_j) = (ri.less_times(half, overlap), rj.less_times(half, overlap));
-        let back = V::splat(0.25 * self.dt) * approach.dot(n);
-        let turning = wi.times_plus(lever_i + back, wj * (lever_j + back));
-        let relative = turning.cross_plus(n, approach);
+        let back = V::splat(0.25 * self.dt) * approaching;
+        let turning = if V::FUSED && ALIKE {
+            (wi + wj) * (lever_i + back)
+        } else {
+            wi.times_plus(lever_i + back, wj * (lever_j + back))
+        };
+        let slip = if V::FUSED {
+            turning.cross_plus(n, approach.less_times(n, approaching))
+        } else {
+            let relative = turning.cross_plus(n, approach);
+            relative.less_times(n, relative.dot(n))
+        };
         // Spheres alike: the same operations, once for all lanes.
-        let (r_star, m_star) = match self.one_size {
+        let (r_star, m_star) = match size {
             Some([r, m]) => (V::splat(r * r / (r + r)), V::splat(m * m / (m + m))),
             None => (ri * rj / sum, mi * mj / (mi + mj)),
         };
         let motion = Motion {
             normal: n,
             overlap,
-            rate: end.dot(n),
-            slip: relative.less_times(n, relative.dot(n)),
+            rate,
+            slip,
             spin_i: wi,
             spin_j: wj,
+            spin_along,
             lever_i,
             lever_j,
             r_star,
             m_star,
             radius_i: ri,
             radius_j: rj,
-            twist: V::splat(0.5) * (wi + wj).dot(n) * dt,
+            twist: half * spin_sum * dt,
             dt,
         };
-        // SAFETY: by the caller.
-        let old = unsafe { V::quads(sinks.memory, b.pair) };
         let features = if MORE { self.features } else { Features::NONE };
-        let out = respond::<V, FAST>(&motion, laws, features, V3::of(old), old[3], touching);
+        let out = respond::<V, FAST, ALIKE>(&motion, laws, features, &before, touching);
         // SAFETY: by the caller.
         unsafe { store(&b, sinks, touching, &out, nothing) };
         V::bits(deep)

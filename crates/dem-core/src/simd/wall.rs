@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 
+use super::carried::Before;
 use super::hertz_mindlin::{Laws, Motion, SLOTS, respond};
 use super::lanes::{Lanes, V3, fours};
 use super::pairs::{PairKernel, on_clump};
@@ -204,6 +205,7 @@ impl PairKernel<'_> {
             slip: relative.less_times(n, relative.dot(n)),
             spin_i: w,
             spin_j: spin,
+            spin_along: (w - spin).dot(n),
             lever_i,
             lever_j: zero,
             r_star: one / (one / radius + one / near.wall_radius),
@@ -215,7 +217,13 @@ impl PairKernel<'_> {
         };
         let m = &mut g.memory;
         let old = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
-        let out = respond::<V, FAST>(&motion, &laws, self.features, old, V::load(&m[3]), touching);
+        let before = if V::FUSED {
+            let along = old.dot(n);
+            Before::fused(old, V::load(&m[3]), one, |_| along).0
+        } else {
+            Before::exact(old, V::load(&m[3]))
+        };
+        let out = respond::<V, FAST, false>(&motion, &laws, self.features, &before, touching);
         let none = V3::splat(0.0);
         let spring = out.spring.select(touching, none);
         spring.x.store(&mut m[0]);

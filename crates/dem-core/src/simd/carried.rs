@@ -1,0 +1,233 @@
+//! What a shear spring carries over into a step: its force, laid into the present tangential plane at its old
+//! length, turned by the twist and lessened where the contact area shrinks.
+//!
+//! Exact kernels compute it operation by operation as `contact/spring.rs`. Fused ones need one division where
+//! those need two and a root: a spring leaves its plane by so little in a step that its length comes from a
+//! series, and the reciprocals of its length and of its stiffness come from that of their product.
+
+use super::blocks::Blocks;
+use super::lanes::{Mask, V3};
+use crate::contact::spring::{COSINE, SINE};
+
+/// What eight contacts remember.
+#[derive(Clone, Copy)]
+pub(super) struct Before<V> {
+    /// Force of the spring and its signed stiffness.
+    pub(super) spring: V3<V>,
+    pub(super) stiffness: V,
+    /// Part of the force along the normal, and reciprocals of its square and of the stiffness without its
+    /// sign: of fused kernels alone.
+    along: V,
+    over_square: V,
+    over_stiffness: V,
+}
+
+/// Below this, squares of forces and stiffnesses are taken for it, so that products of three stay finite and
+/// normal: a spring of 1e-40 N.
+pub(super) const LEAST: f64 = 1e-80;
+
+/// Largest square of the sine of the angle between spring and tangential plane for the series: its next term is
+/// 3e-17.
+const NEARLY_FLAT: f64 = 1e-4;
+/// `1 / sqrt(1 - x)` is one and these times the powers of `x`.
+const LENGTHS: [f64; 3] = [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0];
+
+/// Largest twist, rad, for the short series of fused kernels: the next terms are 2e-16 of a sine and 3e-21.
+const SMALL_TWIST: f64 = 0.01;
+
+impl<V: Blocks> Before<V> {
+    /// In exact kernels.
+    #[inline(always)]
+    pub(super) fn exact(spring: V3<V>, stiffness: V) -> Self {
+        let none = V::splat(0.0);
+        Self { spring, stiffness, along: none, over_square: none, over_stiffness: none }
+    }
+
+    /// In fused kernels, beside the reciprocal of `more`, with which the division is shared; `along` yields the
+    /// part of the spring along the normal from that reciprocal.
+    #[inline(always)]
+    pub(super) fn fused(
+        spring: V3<V>,
+        stiffness: V,
+        more: V,
+        along: impl FnOnce(V) -> V,
+    ) -> (Self, V) {
+        let least = V::splat(LEAST);
+        let square = spring.dot(spring).max(least);
+        let size = stiffness.abs().max(least);
+        let both = square * size;
+        let over_all = V::splat(1.0) / (both * more);
+        let (over_more, over_both) = (over_all * both, over_all * more);
+        let before = Self {
+            spring,
+            stiffness,
+            along: along(over_more),
+            over_square: over_both * size,
+            over_stiffness: over_both * square,
+        };
+        (before, over_more)
+    }
+
+    /// The spring's force now, before slip, where the stiffness is `k` and the contact has turned by `twist` about
+    /// its `normal`; of the old stiffness's share at most `most` is kept. `used` are the lanes that matter.
+    #[inline(always)]
+    pub(super) fn carried(&self, normal: V3<V>, twist: V, k: V, most: f64, used: V::Mask) -> V3<V> {
+        let (zero, tiny) = (V::splat(0.0), V::splat(f64::MIN_POSITIVE));
+        if V::FUSED {
+            let flat = self.spring.less_times(normal, self.along);
+            let share = (k * self.over_stiffness).min(V::splat(most));
+            let [sin, cos] = self.turned_at_length(flat, twist, used);
+            // The cross product of the normal with its own part of the spring is nothing.
+            return flat.times_plus(cos * share, normal.cross(self.spring) * (sin * share));
+        }
+        let old = self.spring;
+        let flat = old.less_times(normal, old.dot(normal));
+        let (flat2, size2) = (flat.dot(flat), old.dot(old));
+        let alive = zero.less(flat2);
+        let flat = flat * (size2 / flat2).sqrt();
+        let (sin, cos) = small_sin_cos(twist, used & alive);
+        let carried = normal.cross(flat).times_plus(sin, flat * cos).select(alive, V3::splat(0.0));
+        // A new contact carries nothing, so that its share need only be finite.
+        let share = (k / self.stiffness.abs().max(tiny)).min(V::splat(most));
+        carried * share
+    }
+
+    /// Sine and cosine of the twist, both times the old length of the spring over that of its part in the plane.
+    #[inline(always)]
+    fn turned_at_length(&self, flat: V3<V>, twist: V, used: V::Mask) -> [V; 2] {
+        let one = V::splat(1.0);
+        let lost = self.along * self.along * self.over_square;
+        let (a1, a2, a3) = (V::splat(LENGTHS[0]), V::splat(LENGTHS[1]), V::splat(LENGTHS[2]));
+        let length = lost.times_plus(lost.times_plus(lost.times_plus(a3, a2), a1), one);
+        let x2 = twist * twist;
+        let (s3, s5) = (V::splat(SINE[0]), V::splat(SINE[1]));
+        let (c2, c4, c6) = (V::splat(COSINE[0]), V::splat(COSINE[1]), V::splat(COSINE[2]));
+        let sin = twist * x2.times_plus(x2.times_plus(s5, s3), one);
+        let cos = x2.times_plus(x2.times_plus(x2.times_plus(c6, c4), c2), one);
+        let far = V::splat(NEARLY_FLAT).less(lost) & used;
+        let large = V::splat(SMALL_TWIST).less(twist.abs()) & used;
+        if (far | large).is_empty() {
+            return [sin * length, cos * length];
+        }
+        let (sin, cos) = large_sin_cos(twist, sin, cos, large);
+        let flat2 = flat.dot(flat).max(V::splat(f64::MIN_POSITIVE));
+        let length = (self.spring.dot(self.spring) / flat2).sqrt().select(far, length);
+        [sin * length, cos * length]
+    }
+}
+
+/// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
+/// matter.
+#[inline(always)]
+fn small_sin_cos<V: Blocks>(x: V, used: V::Mask) -> (V, V) {
+    let one = V::splat(1.0);
+    let x2 = x * x;
+    // Not by `map`: its closure would not be compiled for the instructions of the kernel.
+    let (s3, s5, s7, s9) =
+        (V::splat(SINE[0]), V::splat(SINE[1]), V::splat(SINE[2]), V::splat(SINE[3]));
+    let (c2, c4, c6, c8) =
+        (V::splat(COSINE[0]), V::splat(COSINE[1]), V::splat(COSINE[2]), V::splat(COSINE[3]));
+    let s = x2.times_plus(x2.times_plus(x2.times_plus(x2.times_plus(s9, s7), s5), s3), one);
+    let cos = x2.times_plus(x2.times_plus(x2.times_plus(x2.times_plus(c8, c6), c4), c2), one);
+    let sin = x * s;
+    let large = V::splat(0.1).less(x.abs()) & used;
+    if large.is_empty() { (sin, cos) } else { large_sin_cos(x, sin, cos, large) }
+}
+
+/// The lanes of large twists by the library's functions.
+#[cold]
+fn large_sin_cos<V: Blocks>(x: V, sin: V, cos: V, large: V::Mask) -> (V, V) {
+    let each = x.each();
+    let (sines, cosines) = (V::of(|b, l| each[b][l].sin()), V::of(|b, l| each[b][l].cos()));
+    (sines.select(large, sin), cosines.select(large, cos))
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::super::avx2::Pair;
+    use super::super::lanes::{Lanes, Numbers};
+    use super::super::{Level, widened};
+    use super::*;
+    use crate::contact::spring::transport_vector;
+    use glam::DVec3;
+
+    /// What eight springs carry over, by the fused kernel.
+    fn fused(
+        springs: [DVec3; 8],
+        normals: [DVec3; 8],
+        before: f64,
+        twist: f64,
+        k: f64,
+    ) -> [DVec3; 8] {
+        let mut out = [[0.0; 8]; 3];
+        widened(
+            Level::Avx2,
+            #[inline(always)]
+            || {
+                type V = Pair<true>;
+                let of = |v: &[DVec3; 8]| V3::<V> {
+                    x: Lanes::load(&v.map(|v| v.x)),
+                    y: Lanes::load(&v.map(|v| v.y)),
+                    z: Lanes::load(&v.map(|v| v.z)),
+                };
+                let (spring, n) = (of(&springs), of(&normals));
+                // The division is shared with that by the square of the distance of centres.
+                let square: V = Numbers::splat(3.6e-5);
+                let stiffness: V = Numbers::splat(-before);
+                let (own, over) = Before::fused(spring, stiffness, square, |_| spring.dot(n));
+                let mut unit = [0.0; 8];
+                (over * square).store(&mut unit);
+                assert!(unit.iter().all(|u| (u - 1.0).abs() < 1e-15), "{unit:?}");
+                let carried = own.carried(n, Numbers::splat(twist), Numbers::splat(k), 1.0, 0xff);
+                carried.x.store(&mut out[0]);
+                carried.y.store(&mut out[1]);
+                carried.z.store(&mut out[2]);
+            },
+        );
+        std::array::from_fn(|lane| DVec3::new(out[0][lane], out[1][lane], out[2][lane]))
+    }
+
+    #[test]
+    fn fused_springs_carry_over_what_the_portable_law_does() {
+        if Level::detect() == Level::Portable {
+            return;
+        }
+        let normal = |lane: usize| {
+            let (a, b) = (0.7 * lane as f64 + 0.2, 0.4 * lane as f64 - 1.0);
+            DVec3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin())
+        };
+        let normals = std::array::from_fn(normal);
+        // By how much springs stand out of the plane: as in a step, near the end of the series, beyond it, and all
+        // of these in one block.
+        for lean in
+            [[1e-7; 8], [9.9e-3; 8], [0.3; 8], [0.0, 1e-9, 1e-4, 9e-3, 0.011, 0.1, 1.0, 30.0]]
+        {
+            for (twist, size, before, k) in [
+                (0.0, 1e-3, 4e3, 5e3),
+                (-3e-4, 20.0, 4e3, 3.9e3),
+                (9.9e-3, 1e-9, 1.0, 0.2),
+                (0.012, 0.5, 2e7, 1e7),
+                (0.4, 3.0, 2e3, 1e3),
+            ] {
+                let springs = std::array::from_fn(|lane| {
+                    let n: DVec3 = normals[lane];
+                    let flat = n.any_orthonormal_vector();
+                    (flat + n * lean[lane]) * (size * (1.0 + lane as f64))
+                });
+                let all = fused(springs, normals, before, twist, k);
+                for (lane, (own, n)) in all.into_iter().zip(normals).enumerate() {
+                    let exact = transport_vector(springs[lane], n, twist) * (k / before).min(1.0);
+                    // What stands out of the plane is taken away: that much of it is rounding.
+                    let bound = 8.0 * f64::EPSILON * (1.0 + lean[lane]) * exact.length();
+                    assert!(
+                        (own - exact).length() < bound,
+                        "{lane}: {own} {exact}, {lean:?} {twist}"
+                    );
+                }
+            }
+        }
+        // A new contact remembers nothing and carries nothing.
+        let none = fused([DVec3::ZERO; 8], normals, 0.0, 1e-3, 5e3);
+        assert!(none.iter().all(|v| *v == DVec3::ZERO), "{none:?}");
+    }
+}
