@@ -110,8 +110,11 @@ impl<V: Blocks> Before<V> {
             return [sin * length, cos * length];
         }
         let (sin, cos) = large_sin_cos(twist, sin, cos, large);
-        let flat2 = flat.dot(flat).max(V::splat(f64::MIN_POSITIVE));
-        let length = (self.spring.dot(self.spring) / flat2).sqrt().select(far, length);
+        let (flat2, zero) = (flat.dot(flat), V::splat(0.0));
+        let far_length = (self.spring.dot(self.spring) / flat2).sqrt();
+        // A spring along the normal has no direction left.
+        let far_length = far_length.select(zero.less(flat2), zero);
+        let length = far_length.select(far, length);
         [sin * length, cos * length]
     }
 }
@@ -226,6 +229,9 @@ mod tests {
                 }
             }
         }
+        // Along the normal nothing is left, as in the portable law.
+        let along = fused([DVec3::X * 5.0; 8], [DVec3::X; 8], 1e3, 1e-3, 2e3);
+        assert!(along.iter().all(|v| *v == DVec3::ZERO), "{along:?}");
         // A new contact remembers nothing and carries nothing.
         let none = fused([DVec3::ZERO; 8], normals, 0.0, 1e-3, 5e3);
         assert!(none.iter().all(|v| *v == DVec3::ZERO), "{none:?}");
