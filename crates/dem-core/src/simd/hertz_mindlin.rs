@@ -59,7 +59,7 @@ pub(super) struct Laws<V> {
     arm_ratio: V,
     least_force: V,
     energy_density: V,
-    /// Roots of `2 E*` and `8 G*`.
+    /// Roots of `2 E*` and `8 G*`: of exact kernels, as are `e_star` and both dampings.
     normal_root: V,
     shear_root: V,
     /// Of fused kernels: `4/3 E*`, and both dampings times these roots.
@@ -93,22 +93,28 @@ impl<V: Blocks> Laws<V> {
 
     #[inline(always)]
     fn from(make: impl Fn(fn(&Constants) -> f64) -> V) -> Self {
+        // What the other mode reads is not gathered: by lane that costs a call and a root for each.
+        macro_rules! of_mode {
+            ($fused:literal, $f:expr) => {
+                if $fused == V::FUSED { make($f) } else { V::splat(0.0) }
+            };
+        }
         Self {
-            e_star: make(|c| c.e_star),
-            normal_damping: make(|c| c.normal_damping),
+            e_star: of_mode!(false, |c| c.e_star),
+            normal_damping: of_mode!(false, |c| c.normal_damping),
             g_star: make(|c| c.g_star),
             friction: make(|c| c.friction),
             kinetic: make(|c| c.kinetic),
-            shear_damping: make(|c| c.shear_damping),
+            shear_damping: of_mode!(false, |c| c.shear_damping),
             arm_length: make(|c| c.arm_length),
             arm_ratio: make(|c| c.arm_ratio),
             least_force: make(|c| c.least_force),
             energy_density: make(|c| c.energy_density),
-            normal_root: make(|c| (2.0 * c.e_star).sqrt()),
-            shear_root: make(|c| (8.0 * c.g_star).sqrt()),
-            hertz: make(|c| 4.0 / 3.0 * c.e_star),
-            viscous: make(|c| c.normal_damping * (2.0 * c.e_star).sqrt()),
-            dashpot: make(|c| c.shear_damping * (8.0 * c.g_star).sqrt()),
+            normal_root: of_mode!(false, |c| (2.0 * c.e_star).sqrt()),
+            shear_root: of_mode!(false, |c| (8.0 * c.g_star).sqrt()),
+            hertz: of_mode!(true, |c| 4.0 / 3.0 * c.e_star),
+            viscous: of_mode!(true, |c| c.normal_damping * (2.0 * c.e_star).sqrt()),
+            dashpot: of_mode!(true, |c| c.shear_damping * (8.0 * c.g_star).sqrt()),
         }
     }
 }
@@ -194,13 +200,13 @@ fn pull<V: Numbers>(m: &Motion<V>, energy_density: V, d: V) -> V {
 /// Torque of size `limit` against `spin`.
 #[inline(always)]
 fn against<V: Numbers, const FAST: bool>(spin: V3<V>, limit: V) -> V3<V> {
-    let (speed2, tiny) = (spin.dot(spin), V::splat(f64::MIN_POSITIVE));
+    let speed2 = spin.dot(spin);
     if FAST {
-        spin * (-limit * speed2.max(tiny).reciprocal_root())
+        spin * over_root::<V, FAST>(-limit, speed2)
     } else if V::FUSED {
         spin * over_root::<V, FAST>(-limit, speed2.max(V::splat(LEAST)))
     } else {
-        spin * (-limit / speed2.sqrt().max(tiny))
+        spin * (-limit / speed2.sqrt().max(V::splat(f64::MIN_POSITIVE)))
     }
 }
 
