@@ -8,13 +8,20 @@ use super::scene::{AZ1_BEADS, Scene};
 use super::spread::{Spread, exponent};
 use super::{Peers, folder, load, machine, settled};
 
-/// Particle-steps of a timed run.
+/// Steps before the timed ones, and timed steps: the same for all sizes, so that their beds are timed in the same state (a bed
+/// that settles has half as many contacts again as one that flows).
+const WARM: u64 = 200;
+const STEPS: u64 = 600;
+/// Particle-steps of a point in each round: small beds run several times from the same file.
 const WORK: f64 = 6e7;
+/// Runs of the smallest.
+const MOST_RUNS: f64 = 10.0;
 
 #[derive(Serialize)]
 struct Point {
     particles: usize,
     steps: u64,
+    runs_a_round: usize,
     processor_ns: Spread,
     wall_ns: Spread,
     contacts_per_particle: f64,
@@ -36,34 +43,43 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
             (Scene::similar(particles), (particles as f64 / AZ1_BEADS as f64).powf(1.0 / 6.0))
         };
         let (data, _) = settled(&scene, (options.settle as f64 * longer) as u64)?;
-        let steps = (WORK / particles as f64).clamp(100.0, 20_000.0) as u64;
-        scenes.push((scene, data, steps));
+        let again = (WORK / (particles as u64 * STEPS) as f64).clamp(1.0, MOST_RUNS) as usize;
+        scenes.push((scene, data, again));
     }
     // Gap of the list: as in the AZ1 drum, where the side-by-side runs tune it.
     let skin = Code::Tumble.skins()[3];
     let mut runs: Vec<Vec<_>> = scenes.iter().map(|_| Vec::new()).collect();
     for round in 0..options.repeats {
-        for ((scene, data, steps), runs) in scenes.iter().zip(&mut runs) {
-            let warm = (*steps / 4).max(50);
-            let task =
-                Task { scene, data, folder: &folder, warm, steps: *steps, mode: options.kernels };
+        for ((scene, data, again), runs) in scenes.iter().zip(&mut runs) {
+            let mode = options.kernels;
+            let task = Task { scene, data, folder: &folder, warm: WARM, steps: STEPS, mode };
             eprintln!("round {}: {} beads", round + 1, scene.beads);
-            runs.push(tumble.run(&task, 1, skin)?);
+            let n = (scene.beads as u64 * STEPS) as f64;
+            let (mut busy_ns, mut wall_ns) = (0.0, 0.0);
+            for nth in 1..=*again {
+                let run = tumble.run(&task, 1, skin)?;
+                let ns = run.told.loop_s * 1e9 / n / *again as f64;
+                busy_ns += run.busy * ns;
+                wall_ns += ns;
+                if nth == *again {
+                    runs.push((busy_ns, wall_ns, run.told));
+                }
+            }
         }
     }
     let mut points = Vec::new();
-    for ((scene, _, steps), runs) in scenes.iter().zip(&runs) {
+    for ((scene, _, again), runs) in scenes.iter().zip(&runs) {
         let n = scene.beads as f64;
-        let ns = |loop_s: f64| loop_s * 1e9 / (n * *steps as f64);
-        let told = &runs[0].told;
+        let told = &runs[0].2;
         points.push(Point {
             particles: scene.beads,
-            steps: *steps,
-            processor_ns: Spread::of(runs.iter().map(|r| r.busy * ns(r.told.loop_s))),
-            wall_ns: Spread::of(runs.iter().map(|r| ns(r.told.loop_s))),
+            steps: STEPS,
+            runs_a_round: *again,
+            processor_ns: Spread::of(runs.iter().map(|r| r.0)),
+            wall_ns: Spread::of(runs.iter().map(|r| r.1)),
             contacts_per_particle: told.contacts / n,
             list_pairs_per_particle: told.list_pairs / n,
-            steps_per_list: *steps as f64 / told.builds.max(1.0),
+            steps_per_list: STEPS as f64 / told.builds.max(1.0),
         });
     }
     let times: Vec<(f64, f64)> = points
