@@ -114,8 +114,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             )),
             walls: &self.state.wall_list,
             w,
-            late_start: &self.scratch.late_start,
-            late_ends: &self.scratch.late_ends,
+            late: (&w.late, &self.scratch.late_ends),
         };
         let kick = Kick {
             make: &self.make,

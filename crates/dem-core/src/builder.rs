@@ -21,6 +21,7 @@ use crate::noncontact::NonContactForce;
 use crate::particles::{ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
 use crate::simd::{Arithmetic, Level};
+use crate::sweep::FAR;
 use crate::threads::Team;
 use crate::timestep::{hertz_time, rayleigh_time};
 use crate::world::{Make, SPHERE, Scratch, State, World};
@@ -390,6 +391,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                     _ => Arithmetic::Exact,
                 },
                 overlap_limit: self.overlap_limit,
+                far: FAR,
                 turning_wall,
             },
             integrator,

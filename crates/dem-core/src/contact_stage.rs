@@ -12,7 +12,6 @@ use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::simd::{Level, PairKernel, Run, WallRun, Wrenches};
-use crate::sums::PIECE;
 use crate::threads::{Stage, Team, cut};
 use crate::world::{Make, Scratch};
 
@@ -114,7 +113,7 @@ pub(crate) fn all_contacts<M: ContactLaw>(
 }
 
 /// One chunk of contacts: marks, memory, three wrenches, what it yields.
-type PairParts<'a> = (
+pub(crate) type PairParts<'a> = (
     &'a mut [u8],
     &'a mut [f64],
     &'a mut [Record],
@@ -173,15 +172,15 @@ pub(crate) fn touching_pairs<M: ContactLaw>(
 }
 
 /// A chunk of near pairs.
-struct NearPairs<'a> {
-    first: &'a [u32],
-    second: &'a [u32],
-    active: &'a mut [u8],
+pub(crate) struct NearPairs<'a> {
+    pub(crate) first: &'a [u32],
+    pub(crate) second: &'a [u32],
+    pub(crate) active: &'a mut [u8],
 }
 
 /// Compute the near pairs of a chunk that touch now or acted before: the vector kernel tells which touch, of all or of those that
 /// need a look. Where nothing tells, all are computed.
-fn near_pairs<M: ContactLaw>(
+pub(crate) fn near_pairs<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
     looks: Option<Looks<'_>>,
@@ -269,7 +268,7 @@ fn place_on_meshes<M: ContactLaw>(
     nearest.clear();
 }
 
-fn wall_contacts<M: ContactLaw>(
+pub(crate) fn wall_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
     slots: usize,
@@ -310,32 +309,12 @@ fn wall_contacts<M: ContactLaw>(
     }
 }
 
-/// Collect the near pairs in action, and sort their ends by pieces of spheres: the place in
-/// `late`, twice, plus one for the second sphere.
+/// Collect the near pairs in action, and their ends by pieces of spheres.
 fn sort_late(s: &mut Scratch, spheres: usize) {
-    let late = &mut s.wrenches.late;
-    late.clear();
-    for chunk in &s.near_yield {
-        late.extend_from_slice(&chunk.late);
+    s.wrenches.late.clear();
+    s.late_ends.clear(spheres);
+    for late in s.near_yield.iter().flat_map(|chunk| &chunk.late) {
+        s.wrenches.late.push(*late);
+        s.late_ends.push(late);
     }
-    let start = &mut s.late_start;
-    start.clear();
-    start.resize(spheres / PIECE + 2, 0);
-    let ends = |l: &Late| [l.first as usize / PIECE, l.second as usize / PIECE];
-    for piece in late.iter().flat_map(ends) {
-        start[piece + 1] += 1;
-    }
-    for piece in 1..start.len() {
-        start[piece] += start[piece - 1];
-    }
-    s.late_ends.resize(2 * late.len(), 0);
-    for (k, l) in late.iter().enumerate() {
-        for (role, piece) in ends(l).into_iter().enumerate() {
-            s.late_ends[start[piece] as usize] = (2 * k + role) as u32;
-            start[piece] += 1;
-        }
-    }
-    // Each entry now holds its piece's end, which is the next one's beginning.
-    start.pop();
-    start.insert(0, 0);
 }

@@ -2,7 +2,7 @@
 
 use crate::contact::model::ContactLaw;
 use crate::error::{Cause, Error, Fault, FaultKind, Partner};
-use crate::forces::DeepOverlap;
+use crate::forces::{DeepOverlap, deeper};
 use crate::integrate::Integrator;
 use crate::particles::ParticleId;
 use crate::world::World;
@@ -15,9 +15,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     pub(crate) fn check_overlaps(&self) -> Result<(), Error> {
         let s = &self.scratch;
         let yields = s.pair_yield.iter().chain(&s.near_yield).chain(&s.wall_yield);
-        let deepest = yields
-            .filter_map(|y| y.deep)
-            .reduce(|a, b| if b.fraction > a.fraction { b } else { a });
+        self.check_overlap(yields.map(|y| y.deep).fold(None, deeper))
+    }
+
+    /// Stop on an overlap beyond the limit.
+    pub(crate) fn check_overlap(&self, deepest: Option<DeepOverlap>) -> Result<(), Error> {
         match deepest {
             None => Ok(()),
             Some(deep) => Err(self.too_deep(deep)),

@@ -91,6 +91,14 @@ impl ChunkYield {
     }
 }
 
+/// The deeper of two overlaps, the first of equals.
+pub(crate) fn deeper(a: Option<DeepOverlap>, b: Option<DeepOverlap>) -> Option<DeepOverlap> {
+    match (a, b) {
+        (Some(a), Some(b)) if b.fraction > a.fraction => Some(b),
+        (a, b) => a.or(b),
+    }
+}
+
 /// A near pair in action.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -73,6 +73,7 @@ mod spheres;
 mod step;
 mod strips;
 mod sums;
+mod sweep;
 mod threads;
 pub mod timestep;
 pub mod world;

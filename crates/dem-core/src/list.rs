@@ -17,6 +17,8 @@ use crate::neighbour::verlet_list::{Found, LANES};
 use crate::particles::{Bodies, Record};
 use crate::simd::{Level, widened};
 use crate::step::kernel_of;
+use crate::sums::PIECE;
+use crate::sweep::MOST_STEPS;
 use crate::threads::cut;
 use crate::world::{Kept, Members, SPHERE, World, sphere_view};
 
@@ -27,6 +29,9 @@ const BUILDS_PER_SORT: u64 = 16;
 /// ever touch, less.
 const TOUCHING_MARGIN: f64 = 0.05;
 const TOUCHING_MARGIN_OF_CLUMPS: f64 = 0.02;
+
+/// What a body moves in a step at least, if it stood still when the list was made: as share of the skin.
+const LEAST_STRIDE: f64 = 1e-3;
 
 /// Bodies whose partners are searched in one chunk of work.
 const SEARCH: usize = 512;
@@ -74,6 +79,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.placed_then.clone_from(&s.placed);
         s.kept = Kept::None;
         s.strips.forget();
+        self.scratch.stride = self.longest_stride();
         self.order_near();
         Ok(())
     }
@@ -135,7 +141,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 d.length_squared()
             };
             let bodies = self.state.bodies.position.iter().zip(&list.reference).map(moved);
-            bodies.fold(0.0, f64::max).sqrt().max(self.wall_shift(turn))
+            bodies.fold(0.0, f64::max).sqrt().max(self.wall_shift(&self.scratch.placed, turn))
         };
         let with_wall = self.turn_of_wall(self.time());
         self.state.list.turning = largest(&with_wall) < largest(&Turn::NONE);
@@ -158,17 +164,67 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             return false;
         }
         let turn = self.turn_since_list(self.time());
+        self.walls_shifted_far(&self.scratch.placed, &turn)
+    }
+
+    fn walls_shifted_far(&self, placed: &[PlacedWall], turn: &Turn) -> bool {
         // The wall list reaches a skin far; half of it is left to the spheres.
-        let shift = self.wall_shift(&turn);
+        let shift = self.wall_shift(placed, turn);
         shift.is_nan() || shift > 0.5 * self.make.skin
     }
 
+    /// More than any body moves in a step in the frame of the list, m: twice what the fastest does now, and a little.
+    fn longest_stride(&self) -> f64 {
+        let (b, dt) = (&self.state.bodies, self.make.dt);
+        if b.len() <= self.make.far {
+            return f64::INFINITY;
+        }
+        let turn = self.turn_since_list(self.time() + dt);
+        let longest = (b.position.iter().zip(b.velocity.iter().zip(&b.mean_velocity)))
+            .flat_map(|(x, velocities)| {
+                let carried = turn.image(x.vector()) - x.vector();
+                [velocities.0, velocities.1].map(|v| (v.vector() * dt - carried).length_squared())
+            })
+            .fold(0.0, f64::max);
+        2.0 * longest.sqrt() + LEAST_STRIDE * self.make.skin
+    }
+
+    /// For how many steps after this one the list surely holds and is not asked: none but in a far bed, where several steps
+    /// may go in one sweep. (Should a body double its speed in so few steps, the list is made when they are over.)
+    pub(crate) fn list_holds(&mut self) -> u64 {
+        let s = &self.scratch;
+        if self.len() <= self.make.far
+            || self.has_clumps()
+            || !self.state.wall_list.facets.is_empty()
+        {
+            return 0;
+        }
+        if s.moved.square.len() != self.len().div_ceil(PIECE) {
+            return 0;
+        }
+        let farthest = s.moved.square.iter().fold(0.0f64, |most, square| most.max(*square)).sqrt();
+        let holds =
+            ((0.5 * self.make.skin - farthest) / s.stride).min((MOST_STEPS - 1) as f64) as u64;
+        if self.state.walls.iter().all(|w| w.motion == crate::geometry::Motion::default()) {
+            return holds;
+        }
+        let mut placed = std::mem::take(&mut self.scratch.placed_later);
+        let stays = |step: &u64| {
+            let time = (self.state.step + step) as f64 * self.make.dt;
+            self.place_walls(&mut placed, time, self.make.dt);
+            !self.walls_shifted_far(&placed, &self.turn_since_list(time))
+        };
+        let holds = (1..=holds).take_while(stays).count() as u64;
+        self.scratch.placed_later = placed;
+        holds
+    }
+
     /// Largest shift of any wall surface since the list was made, as seen in a turning frame, m.
-    fn wall_shift(&self, turn: &Turn) -> f64 {
+    fn wall_shift(&self, placed: &[PlacedWall], turn: &Turn) -> f64 {
         let [min, max] = self.make.domain;
         let (centre, extent) = (0.5 * (min + max), 0.5 * (max - min).length());
         let pose = turn.pose();
-        let walls = self.scratch.placed.iter().zip(&self.scratch.placed_then);
+        let walls = placed.iter().zip(&self.scratch.placed_then);
         walls
             .map(|(now, then)| now.surface_shift(&then.carried(&pose), centre, extent))
             .fold(0.0, f64::max)

@@ -15,7 +15,7 @@ use crate::body_stage::{Drift, Kick, Piece};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::{CHUNK, Touching, all_contacts, touching_pairs};
 use crate::error::Error;
-use crate::forces::{ChunkYield, Contacts};
+use crate::forces::{ChunkYield, Contacts, DeepOverlap, deeper};
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::particles::Record;
@@ -28,27 +28,41 @@ use crate::threads::{Cut, InTurn, Runs, View, chosen, cut};
 use crate::world::{BodyYield, Kept, Scratch, StripYield, World, sphere_view};
 
 /// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
-type Chunk<'a> = (&'a mut [u8], &'a mut [f64], [&'a mut [Record]; 3], &'a mut [ChunkYield]);
+pub(crate) type Chunk<'a> =
+    (&'a mut [u8], &'a mut [f64], [&'a mut [Record]; 3], &'a mut [ChunkYield]);
 
 /// What is the same for all strips.
-struct Pass<'a, M, I> {
-    context: Contacts<'a, M>,
-    vector: Option<(Level, &'a PairKernel<'a>)>,
-    integrator: I,
-    level: Level,
-    strips: &'a Strips,
-    pairs: &'a PairList,
-    bodies: usize,
-    kick: &'a Kick<'a, M>,
-    drift: &'a Drift<'a>,
+pub(crate) struct Pass<'a, M, I> {
+    pub(crate) context: Contacts<'a, M>,
+    pub(crate) vector: Option<(Level, &'a PairKernel<'a>)>,
+    pub(crate) integrator: I,
+    pub(crate) level: Level,
+    pub(crate) strips: &'a Strips,
+    pub(crate) pairs: &'a PairList,
+    pub(crate) bodies: usize,
+    pub(crate) kick: &'a Kick<'a, M>,
+    pub(crate) drift: &'a Drift<'a>,
     /// Spins and places when the list was made, of a bed that no cache holds.
-    far: Option<[View<'a, Record>; 2]>,
+    pub(crate) far: Option<[View<'a, Record>; 2]>,
     /// Whether two overlap too deeply already.
-    deep: bool,
+    pub(crate) deep: bool,
 }
 
-/// Bodies above which what is needed next is asked for before it is.
-const FAR: usize = 30_000;
+/// How far a strip has been gone through.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Gone {
+    /// The next chunk of pairs, and the next piece of bodies.
+    pub(crate) chunk: usize,
+    pub(crate) piece: usize,
+    /// Spheres that its pairs have touched lie before this place.
+    reach: usize,
+    /// What was asked for ahead of that, and of what is finished.
+    asked: [usize; 2],
+    pub(crate) into: StripYield,
+    /// The deepest of overlaps that are too deep.
+    pub(crate) deepest: Option<DeepOverlap>,
+}
+
 /// How many bodies before.
 const AHEAD: usize = 192;
 
@@ -61,7 +75,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         let strips = &mut self.scratch.strips;
         if !strips.are_cut() {
-            strips.cut(&self.state.pairs, self.state.bodies.len(), self.team.threads());
+            let (pairs, bodies) = (&self.state.pairs, self.state.bodies.len());
+            strips.cut(pairs, bodies, self.team.threads());
+            self.scratch.near_window = if bodies > self.make.far { pairs.near_window() } else { 0 };
         }
         strips.pay()
     }
@@ -95,8 +111,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             pairs: None,
             walls: &walls,
             w: &s.wrenches,
-            late_start: &s.late_start,
-            late_ends: &s.late_ends,
+            late: (&s.wrenches.late, &s.late_ends),
         };
         let mut kick = Kick {
             make,
@@ -137,7 +152,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 bodies: count,
                 kick: &kick,
                 drift: &drift,
-                far: (count > FAR).then(|| [view(5), drift.reference.into()]),
+                far: (count > make.far).then(|| [view(5), drift.reference.into()]),
                 deep,
             };
             let near_begin = pairs.near_begin;
@@ -216,54 +231,73 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
         C: Cut<Part = Chunk<'b>>,
     {
+        let all = chunks.left();
+        let mut gone = Gone { chunk: all.start, piece: bodies.left().start, ..Gone::default() };
+        gone.into.deep = self.deep;
+        self.go(strip, &mut bodies, &mut chunks, ring, &mut gone, (all.end, true));
+        gone.into
+    }
+
+    /// Go on through a strip up to a chunk, and behind its last one to its end.
+    pub(crate) fn go<'b, B, C>(
+        &self,
+        strip: usize,
+        bodies: &mut InTurn<'_, B>,
+        chunks: &mut InTurn<'_, C>,
+        ring: &mut Ring,
+        gone: &mut Gone,
+        (until, to_its_end): (usize, bool),
+    ) where
+        B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
+        C: Cut<Part = Chunk<'b>>,
+    {
         let (pairs, slots) = (self.pairs, self.pairs.slots);
-        let (own, all) = (bodies.left(), chunks.left());
-        let (mut piece, mut reach) = (own.start, 0);
-        let mut asked = [0; 2];
-        let mut into = StripYield { deep: self.deep, ..StripYield::default() };
-        for chunk in all.start..=all.end {
+        let own = bodies.left();
+        for chunk in gone.chunk..until + usize::from(to_its_end) {
             let begin = chunk * CHUNK;
             // Spheres before the owner of the next pair have all theirs; behind the last pair all of the strip have,
             // and others that it touched need nothing from here.
-            let frontier = if chunk < all.end {
+            let frontier = if chunk < until {
                 let owner = pairs.owner(begin);
-                reach = (owner + pairs.window).min(self.bodies);
+                gone.reach = (owner + pairs.window).min(self.bodies);
                 owner / PIECE
             } else {
-                own.end.max(reach.div_ceil(PIECE))
+                own.end.max(gone.reach.div_ceil(PIECE))
             };
             if let Some(own) = self.far {
                 let s = &self.context.spheres;
-                let (touched, finished) =
-                    ((reach + AHEAD).min(self.bodies), (frontier * PIECE + AHEAD).min(self.bodies));
+                let (touched, finished) = (
+                    (gone.reach + AHEAD).min(self.bodies),
+                    (frontier * PIECE + AHEAD).min(self.bodies),
+                );
                 for records in [s.position, s.mean_velocity, s.mean_spin, s.end_velocity] {
-                    fetch(records, asked[0].max(reach.saturating_sub(AHEAD))..touched);
+                    fetch(records, gone.asked[0].max(gone.reach.saturating_sub(AHEAD))..touched);
                 }
                 for records in own {
-                    fetch(records, asked[1].max(finished.saturating_sub(2 * AHEAD))..finished);
+                    fetch(records, gone.asked[1].max(finished.saturating_sub(2 * AHEAD))..finished);
                 }
-                asked = [touched, finished];
+                gone.asked = [touched, finished];
             }
-            while piece < frontier {
-                let begin = piece * PIECE;
+            while gone.piece < frontier {
+                let begin = gone.piece * PIECE;
                 let sums = ring.piece(begin, PIECE.min(self.bodies - begin));
-                if !own.contains(&piece) || self.strips.waits(piece) {
+                if !own.contains(&gone.piece) || self.strips.waits(gone.piece) {
                     sums.fill(Pull::ZERO);
-                } else if let Some((columns, moved)) = bodies.take(piece) {
+                } else if let Some((columns, moved)) = bodies.take(gone.piece) {
                     let piece = Piece {
                         integrator: self.integrator,
                         kick: Some(self.kick),
-                        drift: (!into.deep).then_some(self.drift),
+                        drift: (!gone.into.deep).then_some(self.drift),
                         run: Run::of(begin, columns),
                         sums,
                     };
                     let (_, farthest) = on_records(self.level, piece);
-                    into.moved_far |= farthest.too_far;
+                    gone.into.moved_far |= farthest.too_far;
                     moved[0] = moved[0].max(farthest.square);
                 }
-                piece += 1;
-                if !into.deep {
-                    into.drifted = piece;
+                gone.piece += 1;
+                if !gone.into.deep {
+                    gone.into.drifted = gone.piece;
                 }
             }
             let Some((active, numbers, kept, found)) = chunks.take(chunk) else { break };
@@ -288,9 +322,10 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             } else {
                 compute(Wrenches::Summed(ring.slots()));
             }
-            into.deep |= found[0].deep.is_some();
+            gone.into.deep |= found[0].deep.is_some();
+            gone.deepest = deeper(gone.deepest, found[0].deep);
+            gone.chunk = chunk + 1;
         }
-        into
     }
 }
 
@@ -309,7 +344,7 @@ impl Scratch {
     }
 
     /// Have room for the wrenches of the chunks that the strips keep.
-    fn keep_some(&mut self, count: usize, strips: &Strips) {
+    pub(crate) fn keep_some(&mut self, count: usize, strips: &Strips) {
         let none = self.kept == Kept::None;
         for v in self.wrenches.touching() {
             // Never less, so that nothing has to be cleared but what is kept.
@@ -320,6 +355,13 @@ impl Scratch {
             }
         }
         self.kept = Kept::Some;
+    }
+
+    /// Keep nothing: the wrenches that were kept are of an earlier step.
+    pub(crate) fn keep_none(&mut self) {
+        if self.kept != Kept::None {
+            self.kept = Kept::Some;
+        }
     }
 
     /// Let nobody look at the wrenches of some pairs only.

@@ -21,20 +21,24 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let team = self.team.clone();
         team.enter(|| {
             self.prepare()?;
-            let mut left = (0..steps).rev();
-            let done = left.try_fold(None, |drifted, left| self.advance(drifted, left > 0));
+            let (mut left, mut drifted) = (steps, Ok(None));
+            while let (Ok(before), 1..) = (&drifted, left) {
+                let before = *before;
+                left -= 1;
+                drifted = self.advance(before, &mut left);
+            }
             self.spin_clumps();
-            if done.is_err() {
+            if drifted.is_err() {
                 self.scratch.drop_some();
             }
-            done.map(|_| ())
+            drifted.map(|_| ())
         })
     }
 
     /// One time step. `drifted` says whether its first half was done already, and if so whether
-    /// bodies moved far in it; if `more` steps follow, that of the next one may be done here.
-    fn advance(&mut self, drifted: Option<bool>, more: bool) -> Result<Option<bool>, Error> {
-        let dt = self.make.dt;
+    /// bodies moved far in it; if steps are `left` after it, the first half of the next one may be done here, or more of them.
+    fn advance(&mut self, drifted: Option<bool>, left: &mut u64) -> Result<Option<bool>, Error> {
+        let (dt, more) = (self.make.dt, *left > 0);
         let moved_far = drifted.unwrap_or_else(|| {
             let moved_far = self.move_bodies(Halves::Drift);
             self.turn_clumps();
@@ -42,16 +46,23 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         });
         self.state.step += 1;
         self.move_walls(dt);
-        if moved_far || self.walls_moved_far() {
+        let asks = self.scratch.hold == 0;
+        if asks && (moved_far || self.walls_moved_far()) {
             let made = self.make_list();
             if made.is_err() && drifted.is_some() {
                 self.recall();
             }
             made?;
         }
+        self.scratch.hold = if asks { self.list_holds() } else { self.scratch.hold - 1 };
         self.place_members();
         if more && self.goes_in_one_pass() {
-            return self.one_pass().map(Some);
+            let steps = self.steps_in_a_sweep().min(self.scratch.hold + 1).min(*left);
+            if steps == 1 {
+                return self.one_pass().map(Some);
+            }
+            (*left, self.scratch.hold) = (*left - (steps - 1), self.scratch.hold - (steps - 1));
+            return self.sweep(steps as usize).map(Some);
         }
         self.contact_forces(dt);
         let overlaps = self.check_overlaps();
@@ -77,9 +88,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if self.state.list_stale {
             self.make_list()?;
         }
+        self.scratch.hold = 0;
         if !self.state.forces_stale {
             return Ok(());
         }
+        // Who was set from outside may move as far as it likes.
+        self.scratch.stride = f64::INFINITY;
         let b = &mut self.state.bodies;
         for k in 0..b.len() {
             let (v, w) = (b.velocity[k].vector(), b.spin[k].vector());
@@ -100,16 +114,21 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 
     fn move_walls(&mut self, dt: f64) {
-        let time = self.time();
-        let s = &mut self.scratch;
-        if s.placed.len() == self.make.walls.len() {
-            for ((p, w), m) in s.placed.iter_mut().zip(&self.make.walls).zip(&self.state.walls) {
+        let mut placed = std::mem::take(&mut self.scratch.placed);
+        self.place_walls(&mut placed, self.time(), dt);
+        self.scratch.placed = placed;
+    }
+
+    /// Bring walls to `time`, which a step of `dt` has just reached.
+    pub(crate) fn place_walls(&self, placed: &mut Vec<PlacedWall>, time: f64, dt: f64) {
+        let walls = self.make.walls.iter().zip(&self.state.walls);
+        if placed.len() == walls.len() {
+            for (p, (w, m)) in placed.iter_mut().zip(walls) {
                 p.update(w, m, time, dt);
             }
         } else {
-            s.placed = (self.make.walls.iter().zip(&self.state.walls))
-                .map(|(w, m)| PlacedWall::new(w, m, time, dt))
-                .collect();
+            placed.clear();
+            placed.extend(walls.map(|(w, m)| PlacedWall::new(w, m, time, dt)));
         }
     }
 

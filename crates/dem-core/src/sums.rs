@@ -4,6 +4,7 @@
 //! come first), near pairs, walls. Touching pairs are summed in one of two ways, to the same bits: each
 //! contact adds to the ring as it is computed, or every contact keeps its wrench, and spheres find theirs.
 
+use crate::forces::Late;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
@@ -32,8 +33,59 @@ pub(crate) struct Collect<'a> {
     pub(crate) pairs: Option<(&'a PairList, [&'a [Record]; 3])>,
     pub(crate) walls: &'a WallList,
     pub(crate) w: &'a Wrenches,
-    pub(crate) late_start: &'a [u32],
-    pub(crate) late_ends: &'a [u32],
+    /// Near pairs in action, and those of each piece.
+    pub(crate) late: (&'a [Late], &'a LateEnds),
+}
+
+/// Ends of near pairs in action, one after the other for each piece of spheres in the order of the list: the place of the pair,
+/// twice, plus one for its second sphere.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LateEnds {
+    /// First and last end of each piece.
+    first: Vec<u32>,
+    last: Vec<u32>,
+    /// Which end of its piece comes behind each.
+    next: Vec<u32>,
+}
+
+/// No end.
+const NONE: u32 = u32::MAX;
+
+impl LateEnds {
+    /// Nobody acts, of so many spheres.
+    pub(crate) fn clear(&mut self, spheres: usize) {
+        for ends in [&mut self.first, &mut self.last] {
+            ends.clear();
+            ends.resize(spheres.div_ceil(PIECE), NONE);
+        }
+        self.next.clear();
+    }
+
+    /// The next near pair acts.
+    pub(crate) fn push(&mut self, late: &Late) {
+        for sphere in [late.first, late.second] {
+            let (piece, end) = (sphere as usize / PIECE, self.next.len() as u32);
+            match self.last[piece] {
+                NONE => self.first[piece] = end,
+                before => self.next[before as usize] = end,
+            }
+            self.last[piece] = end;
+            self.next.push(NONE);
+        }
+    }
+
+    /// Ends of a piece.
+    #[inline(always)]
+    fn of(&self, piece: usize) -> impl Iterator<Item = u32> {
+        let mut end = self.first[piece];
+        std::iter::from_fn(move || {
+            let now = end;
+            (now != NONE).then(|| {
+                end = self.next[now as usize];
+                now
+            })
+        })
+    }
 }
 
 /// Sums of a window of spheres that moves along the list: sphere `k` has the place `k` modulo the length,
@@ -168,9 +220,9 @@ impl Collect<'_> {
             }
         }
         let pieces = begin / PIECE..(end - 1) / PIECE + 1;
-        let late = self.late_start[pieces.start] as usize..self.late_start[pieces.end] as usize;
-        for &l in &self.late_ends[late] {
-            let late = &w.late[(l / 2) as usize];
+        let (late, ends) = self.late;
+        for l in pieces.flat_map(|piece| ends.of(piece)) {
+            let late = &late[(l / 2) as usize];
             let (sphere, f, t) = if l & 1 == 0 {
                 (late.first, late.wrench.force, late.wrench.torque_on_first)
             } else {

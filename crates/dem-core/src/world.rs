@@ -22,7 +22,8 @@ use crate::particles::{Bodies, ParticleId, Record};
 use crate::rigid::Clump;
 use crate::spheres::{ClumpView, SphereView};
 use crate::strips::Strips;
-use crate::sums::Ring;
+use crate::sums::{LateEnds, Ring};
+use crate::sweep::Tier;
 use crate::threads::Team;
 
 /// State of everything that moves.
@@ -115,6 +116,8 @@ pub(crate) struct Make<M> {
     /// How the vector kernels compute.
     pub(crate) arithmetic: crate::simd::Arithmetic,
     pub(crate) overlap_limit: f64,
+    /// Bodies beyond which a bed is far: no cache holds it.
+    pub(crate) far: usize,
     /// Wall whose turn displacements may be measured against.
     pub(crate) turning_wall: Option<usize>,
 }
@@ -156,6 +159,8 @@ pub(crate) struct Scratch {
     /// Where each sphere of the old list is now.
     pub(crate) new_sphere_place: Vec<u32>,
     pub(crate) placed: Vec<PlacedWall>,
+    /// Walls at a step to come.
+    pub(crate) placed_later: Vec<PlacedWall>,
     /// Walls when the list was made.
     pub(crate) placed_then: Vec<PlacedWall>,
     pub(crate) wrenches: Wrenches,
@@ -163,6 +168,14 @@ pub(crate) struct Scratch {
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
     pub(crate) body_yield: Vec<BodyYield>,
+    /// Most places from the owner of the first near pair of a chunk to any sphere in it, in a far bed.
+    pub(crate) near_window: usize,
+    /// More than any body moves in a step, m.
+    pub(crate) stride: f64,
+    /// Steps to come in which the list is not asked whether it still holds.
+    pub(crate) hold: u64,
+    /// Steps that are taken in one sweep.
+    pub(crate) tiers: Vec<Tier>,
     /// Of which touching pairs `wrenches` are those of the last step.
     pub(crate) kept: Kept,
     /// How one pass is shared out.
@@ -170,9 +183,8 @@ pub(crate) struct Scratch {
     /// For each strip, sums of touching pairs of the bodies that it has not finished yet.
     pub(crate) rings: Vec<Ring>,
     pub(crate) strip_yield: Vec<StripYield>,
-    /// Ends of near pairs in action by pieces of spheres, and where those of a piece begin.
-    pub(crate) late_start: Vec<u32>,
-    pub(crate) late_ends: Vec<u32>,
+    /// Ends of near pairs in action by pieces of spheres.
+    pub(crate) late_ends: LateEnds,
     /// Nearest points of meshes, by entry of the wall list.
     pub(crate) mesh_nearest: Vec<Option<crate::geometry::Nearest>>,
 }

@@ -166,6 +166,17 @@ impl PairList {
         }
     }
 
+    /// Most places from the owner of the first near pair of a chunk to any sphere in the chunk, both included.
+    pub(crate) fn near_window(&self) -> usize {
+        let near = self.near();
+        let chunks = self.first[near.clone()].chunks(CHUNK).zip(self.second[near].chunks(CHUNK));
+        let windows = chunks.filter_map(|(first, second)| {
+            let latest = first.iter().chain(second).max()?;
+            Some((latest - first[0].min(second[0])) as usize + 1)
+        });
+        windows.max().unwrap_or_default()
+    }
+
     /// Drop what `sort_by_later` made.
     pub(crate) fn forget_later(&mut self) {
         self.by_later.clear();
