@@ -28,7 +28,7 @@ use crate::threads::{Runs, cut};
 use crate::world::{Make, Scratch, World, sphere_view};
 
 /// Bodies above which a bed is far: what is needed next is asked for before it is, and several steps go in a sweep.
-pub(crate) const FAR: usize = 30_000;
+pub(crate) const FAR: usize = 20_000;
 /// Steps of a sweep at most.
 pub(crate) const MOST_STEPS: u64 = 4;
 /// Bodies by which one tier goes on before the next follows: fewer in beds that are no far ones but by a test's word.
