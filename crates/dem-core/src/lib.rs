@@ -75,5 +75,6 @@ mod strips;
 mod sums;
 mod sweep;
 mod threads;
+mod tier;
 pub mod timestep;
 pub mod world;

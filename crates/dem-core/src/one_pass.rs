@@ -75,9 +75,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         let strips = &mut self.scratch.strips;
         if !strips.are_cut() {
-            let (pairs, bodies) = (&self.state.pairs, self.state.bodies.len());
-            strips.cut(pairs, bodies, self.team.threads());
-            self.scratch.near_window = if bodies > self.make.far { pairs.near_window() } else { 0 };
+            strips.cut(&self.state.pairs, self.state.bodies.len(), self.team.threads());
         }
         strips.pay()
     }
@@ -357,16 +355,14 @@ impl Scratch {
         self.kept = Kept::Some;
     }
 
-    /// Keep nothing: the wrenches that were kept are of an earlier step.
+    /// Keep nothing: what was kept is of an earlier step.
     pub(crate) fn keep_none(&mut self) {
-        if self.kept != Kept::None {
-            self.kept = Kept::Some;
-        }
+        self.kept = Kept::None;
     }
 
     /// Let nobody look at the wrenches of some pairs only.
     pub(crate) fn drop_some(&mut self) {
-        if self.kept == Kept::Some {
+        if self.kept != Kept::All {
             self.wrenches.touching().into_iter().for_each(Vec::clear);
             self.kept = Kept::None;
         }

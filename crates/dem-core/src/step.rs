@@ -16,7 +16,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Advance by `steps` time steps.
     ///
     /// # Errors
-    /// A [`crate::error::Fault`]; the world is left as it was when the fault was found.
+    /// A [`crate::error::Fault`]; the world is left as it was when the fault was found. In a bed of more than 20 000 spheres some
+    /// may have been up to three steps ahead then: they are put back to within a micrometre, what their contacts remember is not,
+    /// and numbers that are none are found up to three steps later.
     pub fn run(&mut self, steps: u64) -> Result<(), Error> {
         let team = self.team.clone();
         team.enter(|| {
@@ -56,13 +58,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         self.scratch.hold = if asks { self.list_holds() } else { self.scratch.hold - 1 };
         self.place_members();
-        if more && self.goes_in_one_pass() {
-            let steps = self.steps_in_a_sweep().min(self.scratch.hold + 1).min(*left);
-            if steps == 1 {
-                return self.one_pass().map(Some);
-            }
+        let steps =
+            if more { self.steps_in_a_sweep().min(self.scratch.hold + 1).min(*left) } else { 0 };
+        if steps > 1 {
             (*left, self.scratch.hold) = (*left - (steps - 1), self.scratch.hold - (steps - 1));
             return self.sweep(steps as usize).map(Some);
+        }
+        if more && self.goes_in_one_pass() {
+            return self.one_pass().map(Some);
         }
         self.contact_forces(dt);
         let overlaps = self.check_overlaps();

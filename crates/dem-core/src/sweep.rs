@@ -6,88 +6,81 @@
 //! steps. Each of these *tiers* has its own walls, near pairs in action and sums. Within a tier near pairs and walls go
 //! ahead of touching pairs, which finish spheres.
 //!
+//! Between two looks at how far they have come no tier touches a body that another one touches, so each of several threads
+//! may go on with some of them.
+//!
 //! Everything is computed from the same numbers in the same order as by one pass after the other: the bits are the same.
 //! The list is asked whether it still holds only between sweeps (`World::list_holds`), with any number of threads.
 
-use crate::body_run::{Run, cut_bodies};
+use crate::body_run::{Columns, Run, cut_bodies};
 use crate::body_stage::{Drift, Kick};
 use crate::contact::model::ContactLaw;
-use crate::contact_stage::{CHUNK, NearPairs, near_pairs, wall_contacts};
+use crate::contact_stage::CHUNK;
 use crate::error::Error;
-use crate::forces::{ChunkYield, DeepOverlap, Late, MemoryRun, deeper};
-use crate::geometry::PlacedWall;
+use crate::forces::{ChunkYield, deeper};
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
-use crate::one_pass::{Gone, Pass};
+use crate::one_pass::{Chunk, Pass};
 use crate::particles::{Bodies, Record};
 use crate::spheres::SphereView;
 use crate::step::{contacts_of, kernel_of};
-use crate::sums::{Collect, LateEnds, PIECE, Ring};
-use crate::threads::{Runs, cut};
-use crate::world::{Make, Scratch, World, sphere_view};
+use crate::strips::Strips;
+use crate::sums::{Collect, PIECE, Ring};
+use crate::threads::{Cut, InTurn, Runs, View, cut};
+use crate::tier::{Ahead, Tier};
+use crate::world::{Scratch, World, sphere_view};
 
 /// Bodies above which a bed is far: what is needed next is asked for before it is, and several steps go in a sweep.
 pub(crate) const FAR: usize = 20_000;
 /// Steps of a sweep at most.
-pub(crate) const MOST_STEPS: u64 = 4;
-/// Bodies by which one tier goes on before the next follows: fewer in beds that are no far ones but by a test's word.
+pub(crate) const MOST_STEPS: usize = 4;
+/// Bodies by which one tier goes on before the next follows.
 const STATION: usize = 1024;
 /// Bodies between the first tier and the last at most: what the cache is to hold.
 const IN_CACHE: usize = 24_000;
 
-/// One step of a sweep.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Tier {
-    placed: Vec<PlacedWall>,
-    late: Vec<Late>,
-    late_ends: LateEnds,
-    ring: Ring,
-    /// Chunks of near pairs and of walls that are computed.
-    near: usize,
-    walls: usize,
-    gone: Gone,
-    /// The deepest of overlaps that are too deep, of near pairs and with walls.
-    deep: [Option<DeepOverlap>; 2],
-}
-
-impl Tier {
-    fn is_deep(&self) -> bool {
-        self.gone.into.deep
-    }
-
-    /// Bodies before this place have made the step.
-    fn finished(&self, bodies: usize) -> usize {
-        (self.gone.piece * PIECE).min(bodies)
-    }
+/// Bodies of a station: fewer in beds that are no far ones but by a test's word.
+fn station(bodies: usize) -> usize {
+    STATION.min(bodies / 16 + 1)
 }
 
 /// What a sweep works on.
 struct Bed<'a> {
     bodies: &'a mut Bodies,
     pairs: &'a PairList,
-    /// Marks and memory of its pairs.
-    active: &'a mut [u8],
-    memory: &'a mut [f64],
-    walls: &'a mut WallList,
+    walls: &'a WallList,
+    /// Marks and memory of pairs and of walls.
+    of_pairs: (&'a mut [u8], &'a mut [f64]),
+    of_walls: (&'a mut [u8], &'a mut [f64]),
     s: &'a mut Scratch,
 }
 
-/// What is the same for all tiers.
-struct Sweep<'a, M: ContactLaw, I: Integrator> {
-    world: &'a World<M, I>,
-    near_window: usize,
+/// Places at which the runs of tiers begin, in the order of the tiers in memory, and an end.
+fn starts(tiers: &[Tier], of: impl Fn(&Tier) -> usize, end: usize) -> [u32; MOST_STEPS + 1] {
+    let mut starts = [end as u32; MOST_STEPS + 1];
+    for (start, tier) in starts.iter_mut().zip(tiers) {
+        *start = of(tier) as u32;
+    }
+    starts
 }
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// How many steps may go in one sweep, as far as the cache and the threads let them.
-    pub(crate) fn steps_in_a_sweep(&self) -> u64 {
-        if self.len() <= self.make.far || self.team.threads() > 1 {
+    pub(crate) fn steps_in_a_sweep(&mut self) -> u64 {
+        let (bodies, threads) = (self.len(), self.team.threads());
+        // More threads than tiers go in strips, and where energies are booked or bodies are clumps, in stages.
+        let alone = self.ledger_wanted || self.has_clumps();
+        if bodies <= self.make.far || threads > MOST_STEPS || alone {
             return 1;
         }
-        let station = STATION.min(self.len() / 16 + 1);
-        let tier = self.state.pairs.window.max(self.scratch.near_window) + station;
-        (IN_CACHE / tier).clamp(1, MOST_STEPS as usize) as u64
+        let (s, pairs) = (&mut self.scratch, &self.state.pairs);
+        if !s.whole.are_cut() {
+            s.whole.cut(pairs, bodies, 1);
+            s.near_window = pairs.near_window();
+        }
+        let tier = pairs.window.max(s.near_window) + station(bodies);
+        (IN_CACHE / tier).clamp(1, MOST_STEPS) as u64
     }
 
     /// Contacts of so many steps, of which the list holds for all, each with its second half and the first half of the
@@ -101,73 +94,240 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut bodies = std::mem::take(&mut self.state.bodies);
         let mut s = std::mem::take(&mut self.scratch);
-        let mut tiers = std::mem::take(&mut s.tiers);
+        let mut kept = std::mem::take(&mut s.tiers);
         let (mut active, mut memory) =
             (std::mem::take(&mut pairs.active), std::mem::take(&mut pairs.memory));
+        let (mut wall_active, mut wall_memory) =
+            (std::mem::take(&mut walls.active), std::mem::take(&mut walls.memory));
         let count = bodies.len();
-        tiers.resize_with(tiers.len().max(steps), Tier::default);
-        for (tier, step) in tiers.iter_mut().zip(begin..).take(steps) {
+        kept.resize_with(kept.len().max(steps), Tier::default);
+        // The last step first, as they follow each other in memory.
+        let tiers = &mut kept[..steps];
+        for (tier, step) in tiers.iter_mut().rev().zip(begin..) {
+            tier.begin(step, count, pairs.window, walls.len());
             tier.placed.clone_from(&s.placed);
             self.place_walls(&mut tier.placed, step as f64 * dt, dt);
-            tier.late.clear();
-            tier.late_ends.clear(count);
-            tier.ring.cover(pairs.window, count);
-            (tier.near, tier.walls, tier.deep) = (0, 0, [None; 2]);
-            tier.gone = Gone::default();
         }
         s.make_room_for_a_sweep(&pairs, &walls);
-        let sweep = Sweep { world: self, near_window: s.near_window };
         let mut bed = Bed {
             bodies: &mut bodies,
             pairs: &pairs,
-            active: &mut active,
-            memory: &mut memory,
-            walls: &mut walls,
+            walls: &walls,
+            of_pairs: (&mut active, &mut memory),
+            of_walls: (&mut wall_active, &mut wall_memory),
             s: &mut s,
         };
-        let (mut goes_on, mut target) = (steps, 0);
-        while tiers[goes_on - 1].finished(count) < count {
-            target += STATION.min(count / 16 + 1);
-            let mut limit = count;
-            let mut nth = 0;
-            while nth < goes_on {
-                let tier = &mut tiers[nth];
-                sweep.go(tier, begin + nth as u64, nth == 0, [limit, target], &mut bed);
-                if tier.is_deep() {
-                    // Steps after a fault are none.
-                    goes_on = nth + 1;
-                }
-                limit = tier.finished(count);
-                nth += 1;
-            }
+        let (mut stopped, mut target) = (0, 0);
+        while tiers[stopped].finished(count) < count {
+            target += station(count);
+            let goes_on = [stopped, target];
+            self.near_and_walls_of_tiers(tiers, goes_on, &mut bed);
+            self.passes_of_tiers(tiers, goes_on, &mut bed);
+            // Steps after a fault are none.
+            stopped = tiers.iter().rposition(Tier::is_deep).unwrap_or_default();
         }
-        let last = &mut tiers[goes_on - 1];
-        self.state.step = begin + goes_on as u64 - 1;
+        let last = &mut tiers[stopped];
+        self.state.step = last.step;
         std::mem::swap(&mut s.placed, &mut last.placed);
         let deepest = deeper(deeper(last.gone.deepest, last.deep[0]), last.deep[1]);
         let moved_far = last.gone.into.moved_far;
         if last.is_deep() {
-            for tier in tiers[goes_on - 1..steps].iter().rev() {
+            for tier in &tiers[..=stopped] {
                 put_back(&mut bodies, tier.gone.into.drifted, dt);
             }
             if I::FROM_MEAN {
-                let drifted = tiers[goes_on - 1].gone.into.drifted;
+                let drifted = tiers[stopped].gone.into.drifted;
                 let columns = cut_bodies(&mut bodies, PIECE);
                 self.team.each(drifted, columns, |_, columns| Run::of(0, columns).recall(dt));
             }
+            // What went ahead has left sums behind.
+            tiers[..stopped].iter_mut().for_each(|tier| tier.ring = Ring::default());
             self.state.forces_stale = true;
         }
-        for tier in &mut tiers[goes_on..] {
-            // What went ahead of a fault has left sums behind.
-            tier.ring = Ring::default();
-        }
-        s.tiers = tiers;
+        s.tiers = kept;
         (pairs.active, pairs.memory) = (active, memory);
+        (walls.active, walls.memory) = (wall_active, wall_memory);
         self.scratch = s;
         self.state.pairs = pairs;
         self.state.wall_list = walls;
         self.state.bodies = bodies;
         self.check_overlap(deepest).map(|()| moved_far)
+    }
+
+    /// All tiers go on with near pairs and walls, those from `stopped` on: up to owners at `target`.
+    fn near_and_walls_of_tiers(
+        &self,
+        tiers: &mut [Tier],
+        [stopped, target]: [usize; 2],
+        bed: &mut Bed<'_>,
+    ) {
+        let (make, s) = (&self.make, &mut *bed.s);
+        let (count, steps) = (bed.bodies.len(), tiers.len());
+        let (begin, slots) = (bed.pairs.near_begin, bed.pairs.slots);
+        let spheres = sphere_view(bed.bodies, &self.state.members, false, make.dt);
+        let kernel = kernel_of(make, spheres, make.dt, false);
+        let near = bed.pairs.near().len();
+        let ahead = Ahead {
+            pairs: bed.pairs,
+            walls: bed.walls,
+            vector: kernel.as_ref().map(|kernel| (make.level, kernel)),
+            order: &s.near_order,
+            moved: &s.moved,
+            near_window: s.near_window,
+            target,
+        };
+        let finished = starts(tiers, |tier| tier.finished(count), count);
+        let of_near = starts(tiers, |tier| tier.near, near.div_ceil(CHUNK));
+        let of_walls = starts(tiers, |tier| tier.walls, bed.walls.len().div_ceil(CHUNK));
+        let mut near = (
+            cut(&mut bed.of_pairs.0[begin..], CHUNK),
+            cut(&mut bed.of_pairs.1[begin * slots..], CHUNK * slots),
+            cut(&mut s.near_yield, 1),
+        );
+        let mut walls = (
+            cut(bed.of_walls.0, CHUNK),
+            cut(bed.of_walls.1, CHUNK * slots),
+            cut(&mut s.wall_yield, 1),
+        );
+        let parts = (
+            Runs::new(&mut near, &of_near[..=steps]),
+            Runs::new(&mut walls, &of_walls[..=steps]),
+            cut(tiers, 1),
+        );
+        self.team.each(steps, parts, |nth, (near, walls, tier)| {
+            if nth < stopped {
+                return;
+            }
+            let (tier, limit) = (&mut tier[0], finished[nth + 1] as usize);
+            let placed = std::mem::take(&mut tier.placed);
+            let context = contacts_of(make, spheres, &placed, make.dt, false);
+            let owner = ahead.near(&context, tier, limit, near);
+            let sphere = ahead.walls(&context, tier, limit, walls);
+            tier.placed = placed;
+            tier.covered = owner.min(sphere);
+            tier.gone.into.deep |= tier.deep.iter().any(Option::is_some);
+        });
+    }
+
+    /// All tiers go on with touching pairs and the bodies that they finish.
+    fn passes_of_tiers(
+        &self,
+        tiers: &mut [Tier],
+        [stopped, target]: [usize; 2],
+        bed: &mut Bed<'_>,
+    ) {
+        let (s, pairs) = (&mut *bed.s, bed.pairs);
+        let (count, steps) = (bed.bodies.len(), tiers.len());
+        let (begin, slots) = (pairs.near_begin, pairs.slots);
+        let chunks = pairs.touching.div_ceil(CHUNK);
+        let finished = starts(tiers, |tier| tier.finished(count), count);
+        let of_pieces = starts(tiers, |tier| tier.gone.piece, count.div_ceil(PIECE));
+        let of_chunks = starts(tiers, |tier| tier.gone.chunk, chunks);
+        let columns = cut_bodies(bed.bodies, PIECE);
+        let view = |column: usize| columns[column].view();
+        let spheres = SphereView {
+            position: view(0),
+            mean_velocity: view(1),
+            mean_spin: view(2),
+            end_velocity: view(3),
+            clumps: None,
+        };
+        let spins = view(5);
+        let mut none: [[Record; 0]; 3] = [[]; 3];
+        let mut to_do = (
+            cut(&mut bed.of_pairs.0[..begin], CHUNK),
+            cut(&mut bed.of_pairs.1[..begin * slots], CHUNK * slots),
+            none.each_mut().map(|none| cut(&mut none[..], CHUNK)),
+            cut(&mut s.pair_yield, 1),
+        );
+        let mut pieces = (columns, cut(&mut s.moved.square, 1));
+        let (walls, strips) = (bed.walls, &s.whole);
+        let parts = (
+            Runs::new(&mut pieces, &of_pieces[..=steps]),
+            Runs::new(&mut to_do, &of_chunks[..=steps]),
+            cut(tiers, 1),
+        );
+        self.team.each(steps, parts, |nth, (bodies, to_do, tier)| {
+            let (tier, limit) = (&mut tier[0], finished[nth + 1] as usize);
+            let ready = |chunk: usize| {
+                let owner = pairs.owner(chunk * CHUNK);
+                owner <= target.min(tier.covered) && (owner + pairs.window).min(count) <= limit
+            };
+            let mut until = tier.gone.chunk;
+            while until < chunks && ready(until) {
+                until += 1;
+            }
+            let to_its_end = until == chunks && limit == count && tier.covered == count;
+            if nth < stopped || !(until > tier.gone.chunk || to_its_end) {
+                return;
+            }
+            // Later tiers find in the cache what the first has left there.
+            let far = (nth + 1 == steps).then_some(spins);
+            self.pass(
+                tier,
+                spheres,
+                far,
+                (pairs, walls, strips),
+                bodies,
+                to_do,
+                (until, to_its_end),
+            );
+        });
+    }
+
+    /// One tier goes on with touching pairs and the bodies that they finish.
+    #[expect(clippy::too_many_arguments, reason = "what one tier works on")]
+    fn pass<'b, B, C>(
+        &self,
+        tier: &mut Tier,
+        spheres: SphereView<'_>,
+        far: Option<View<'_, Record>>,
+        (pairs, walls, strips): (&PairList, &WallList, &Strips),
+        mut bodies: InTurn<'_, B>,
+        mut chunks: InTurn<'_, C>,
+        until: (usize, bool),
+    ) where
+        B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
+        C: Cut<Part = Chunk<'b>>,
+    {
+        let (make, members) = (&self.make, &self.state.members);
+        let (dt, level) = (make.dt, make.level);
+        let kick = Kick {
+            make,
+            members,
+            collect: Collect {
+                pairs: None,
+                walls,
+                w: &tier.wrenches,
+                late: (&tier.late, &tier.late_ends),
+            },
+            gravity: make.gravity.at(tier.step as f64 * dt),
+            // Nobody books energies here.
+            gravity_rate: glam::DVec3::ZERO,
+            ledger: false,
+            dt,
+        };
+        let drift = Drift {
+            reference: &self.state.list.reference,
+            frame: self.turn_since_list((tier.step + 1) as f64 * dt),
+            limit: (0.5 * make.skin).powi(2),
+            dt,
+        };
+        let kernel = kernel_of(make, spheres, dt, false);
+        let pass = Pass {
+            context: contacts_of(make, spheres, &tier.placed, dt, false),
+            vector: kernel.as_ref().map(|kernel| (level, kernel)),
+            integrator: self.integrator,
+            level,
+            strips,
+            pairs,
+            bodies: spheres.position.len(),
+            kick: &kick,
+            drift: &drift,
+            far: far.map(|spins| [spins, drift.reference.into()]),
+            deep: false,
+        };
+        pass.go(0, &mut bodies, &mut chunks, &mut tier.ring, &mut tier.gone, until);
     }
 }
 
@@ -182,10 +342,6 @@ fn put_back(bodies: &mut Bodies, pieces: usize, dt: f64) {
 impl Scratch {
     /// Have room for what the tiers compute.
     fn make_room_for_a_sweep(&mut self, pairs: &PairList, walls: &WallList) {
-        let w = &mut self.wrenches;
-        for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
-            v.resize(walls.len(), Default::default());
-        }
         self.pair_yield.resize_with(pairs.touching.div_ceil(CHUNK), Default::default);
         let near_chunks = pairs.near().len().div_ceil(CHUNK);
         if self.near_yield.len() < near_chunks {
@@ -200,301 +356,6 @@ impl Scratch {
     }
 }
 
-impl<M: ContactLaw + 'static, I: Integrator> Sweep<'_, M, I> {
-    /// Go on with a tier, which is step number `step`, up to the owners at `target`; bodies before `limit` have
-    /// made the step before it.
-    fn go(
-        &self,
-        tier: &mut Tier,
-        step: u64,
-        is_first: bool,
-        [limit, target]: [usize; 2],
-        bed: &mut Bed<'_>,
-    ) {
-        let count = bed.bodies.len();
-        let covered = self.near_and_walls(tier, [limit, target], bed);
-        let pairs = bed.pairs;
-        let chunks = pairs.touching.div_ceil(CHUNK);
-        let mut until = tier.gone.chunk;
-        let ready = |chunk: usize| {
-            let owner = pairs.owner(chunk * CHUNK);
-            owner <= target.min(covered) && (owner + pairs.window).min(count) <= limit
-        };
-        while until < chunks && ready(until) {
-            until += 1;
-        }
-        let to_its_end = until == chunks && limit == count && covered == count;
-        if until > tier.gone.chunk || to_its_end {
-            self.pass(tier, step, is_first, (until, to_its_end), bed);
-        }
-    }
-
-    /// Near pairs and walls; returns the place before which all spheres have all of theirs.
-    fn near_and_walls(
-        &self,
-        tier: &mut Tier,
-        [limit, target]: [usize; 2],
-        bed: &mut Bed<'_>,
-    ) -> usize {
-        let Bed { bodies, pairs, active, memory, walls, s } = bed;
-        let (make, members) = (&self.world.make, &self.world.state.members);
-        let (count, near_begin, slots) = (bodies.len(), pairs.near_begin, pairs.slots);
-        let spheres = sphere_view(bodies, members, false, make.dt);
-        let context = contacts_of(make, spheres, &tier.placed, make.dt, false);
-        let kernel = kernel_of(make, spheres, make.dt, false);
-        let vector = kernel.as_ref().map(|kernel| (make.level, kernel));
-        let near = pairs.near().len();
-        let owner = loop {
-            let begin = near_begin + tier.near * CHUNK;
-            if begin >= near_begin + near {
-                break count;
-            }
-            let owner = pairs.owner(begin);
-            if owner > target || (owner + self.near_window).min(count) > limit {
-                break owner;
-            }
-            let end = (begin + CHUNK).min(near_begin + near);
-            let into = &mut s.near_yield[tier.near];
-            let chunk = NearPairs {
-                first: &pairs.first[begin..],
-                second: &pairs.second[begin..],
-                active: &mut active[begin..end],
-            };
-            let numbers = &mut memory[begin * slots..end * slots];
-            let looks = s.near_order.looks(tier.near, near, &s.moved);
-            near_pairs(&context, vector, looks, chunk, MemoryRun { slots, numbers }, into);
-            for late in &into.late {
-                tier.late.push(*late);
-                tier.late_ends.push(late);
-            }
-            tier.deep[0] = deeper(tier.deep[0], into.deep.take());
-            tier.near += 1;
-        };
-        let w = &mut s.wrenches;
-        let sphere = loop {
-            let begin = tier.walls * CHUNK;
-            if begin >= walls.len() {
-                break count;
-            }
-            let (end, first) = ((begin + CHUNK).min(walls.len()), walls.sphere[begin] as usize);
-            if first > target || walls.sphere[end - 1] as usize >= limit {
-                break first;
-            }
-            let into = &mut s.wall_yield[tier.walls..=tier.walls];
-            let own = begin..end;
-            let parts = (
-                &mut walls.active[own.clone()],
-                &mut walls.memory[begin * slots..end * slots],
-                &mut w.wall_force[own.clone()],
-                &mut w.wall_torque[own.clone()],
-                &mut w.wall_torque_on_wall[own.clone()],
-                &mut *into,
-            );
-            let (sphere, wall) = (&walls.sphere[own.clone()], &walls.wall[own]);
-            wall_contacts(&context, vector, slots, sphere, wall, &[], parts);
-            tier.deep[1] = deeper(tier.deep[1], into[0].deep.take());
-            tier.walls += 1;
-        };
-        tier.gone.into.deep |= tier.deep.iter().any(Option::is_some);
-        owner.min(sphere)
-    }
-
-    /// Touching pairs, and the bodies that they finish.
-    fn pass(
-        &self,
-        tier: &mut Tier,
-        step: u64,
-        is_first: bool,
-        until: (usize, bool),
-        bed: &mut Bed<'_>,
-    ) {
-        let Bed { bodies, pairs, active, memory, walls, s } = bed;
-        let world = self.world;
-        let (make, members): (&Make<M>, _) = (&world.make, &world.state.members);
-        let (dt, time) = (make.dt, step as f64 * make.dt);
-        let count = bodies.len();
-        let kick = Kick {
-            make,
-            members,
-            collect: Collect {
-                pairs: None,
-                walls,
-                w: &s.wrenches,
-                late: (&tier.late, &tier.late_ends),
-            },
-            gravity: make.gravity.at(time),
-            // Nobody books energies here.
-            gravity_rate: glam::DVec3::ZERO,
-            ledger: false,
-            dt,
-        };
-        let drift = Drift {
-            reference: &world.state.list.reference,
-            frame: world.turn_since_list((step + 1) as f64 * dt),
-            limit: (0.5 * make.skin).powi(2),
-            dt,
-        };
-        let columns = cut_bodies(bodies, PIECE);
-        let view = |column: usize| columns[column].view();
-        let spheres = SphereView {
-            position: view(0),
-            mean_velocity: view(1),
-            mean_spin: view(2),
-            end_velocity: view(3),
-            clumps: None,
-        };
-        let kernel = kernel_of(make, spheres, dt, false);
-        let pass = Pass {
-            context: contacts_of(make, spheres, &tier.placed, dt, false),
-            vector: kernel.as_ref().map(|kernel| (make.level, kernel)),
-            integrator: world.integrator,
-            level: make.level,
-            strips: &s.strips,
-            pairs,
-            bodies: count,
-            kick: &kick,
-            drift: &drift,
-            // Later tiers find in the cache what the first has left there.
-            far: is_first.then(|| [view(5), drift.reference.into()]),
-            deep: false,
-        };
-        let (near_begin, slots) = (pairs.near_begin, pairs.slots);
-        let mut kept: [[Record; 0]; 3] = [[]; 3];
-        let mut chunks = (
-            cut(&mut active[..near_begin], CHUNK),
-            cut(&mut memory[..near_begin * slots], CHUNK * slots),
-            kept.each_mut().map(|none| cut(&mut none[..], CHUNK)),
-            cut(&mut s.pair_yield, 1),
-        );
-        let mut pieces = (columns, cut(&mut s.moved.square, 1));
-        let left = [tier.gone.piece, count.div_ceil(PIECE)].map(|piece| piece as u32);
-        let to_do = [tier.gone.chunk, until.0].map(|chunk| chunk as u32);
-        let parts = (
-            Runs::new(&mut pieces, &left),
-            Runs::new(&mut chunks, &to_do),
-            cut(std::slice::from_mut(&mut tier.ring), 1),
-            cut(std::slice::from_mut(&mut tier.gone), 1),
-        );
-        world.team.each(1, parts, |strip, (mut bodies, mut chunks, ring, gone)| {
-            pass.go(strip, &mut bodies, &mut chunks, &mut ring[0], &mut gone[0], until);
-        });
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::prelude::*;
-
-    type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
-
-    fn model(material: &Material) -> Model {
-        let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
-        let spec = HertzSpec { e_star: e / (2.0 * (1.0 - nu * nu)), restitution: 0.8 };
-        let normal = HertzTailCut::try_from(spec).unwrap();
-        ContactModel {
-            normal,
-            tangential: Mindlin {
-                g_star: material.shear_modulus() / (2.0 * (2.0 - nu)),
-                friction: Friction::coulomb(0.5).unwrap(),
-                damping: normal.damping,
-            },
-            rolling: ConstantTorqueSpec { coefficient: RollingCoefficient::Ratio(0.01) }
-                .try_into()
-                .unwrap(),
-            cohesion: Cohesionless,
-        }
-    }
-
-    /// A tube of 44 by 506 mm that turns: some thirty beads in each of 120 layers, of which steps go in sweeps if it counts as far.
-    fn tube(far: usize, threads: usize, kernels: Kernels) -> World<Model> {
-        let (length, radius) = (0.506, 0.022);
-        let mut b = WorldBuilder::<Model>::new(2e-5);
-        let bead = b.material(Material::from_shear_modulus(2.52e7, 0.29, 2500.0));
-        let law = model(&Material::from_shear_modulus(2.52e7, 0.29, 2500.0));
-        b.pair_law(bead, bead, law).gravity(DVec3::NEG_Y * 9.81).largest_overlap(0.2);
-        b.threads(threads).kernels(kernels).allow_large_time_step();
-        let turning = Motion::rotating(DVec3::ZERO, DVec3::Z, 9.0);
-        b.wall(Wall::drum(DVec3::ZERO, DVec3::Z, radius, bead).with_motion(turning));
-        b.domain(DVec3::new(-0.03, -0.03, -0.01), DVec3::new(0.03, 0.03, length + 0.01));
-        b.wall(Wall::disc(DVec3::ZERO, DVec3::Z, 0.03, bead));
-        b.wall(Wall::disc(DVec3::Z * length, DVec3::NEG_Z, 0.03, bead));
-        let mut state = 11u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
-        for k in 0..120 {
-            for (i, j) in (0..9).flat_map(|i| (0..7).map(move |j| (i, j))) {
-                let noise = DVec3::new(random(), random(), random());
-                let at = DVec3::new(i as f64 - 4.0, j as f64 - 4.5, k as f64 + 0.5) * 4.2e-3;
-                if at.truncate().length() < 0.0195 {
-                    let sphere = Sphere::at(at + noise * 1e-4, 2e-3, bead);
-                    b.sphere(sphere.with_velocity(noise * 0.2));
-                }
-            }
-        }
-        let mut world = b.build().unwrap();
-        world.make.far = far;
-        world
-    }
-
-    #[test]
-    fn sweeps_give_the_bits_of_one_step_after_the_other() {
-        for kernels in [Kernels::Fastest, Kernels::Fused, Kernels::Portable] {
-            let mut swept = tube(0, 1, kernels);
-            let mut others =
-                [tube(usize::MAX, 1, kernels), tube(0, 2, kernels), tube(usize::MAX, 3, kernels)];
-            for piece in 0..25 {
-                swept.run(97).unwrap();
-                for (nth, other) in others.iter_mut().enumerate() {
-                    other.run(97).unwrap();
-                    assert_eq!(swept.state_hash(), other.state_hash(), "{kernels:?} {piece} {nth}");
-                }
-            }
-            assert_eq!(swept.scratch.tiers.len(), MOST_STEPS as usize, "no sweep was made");
-            assert_eq!(swept.step_number(), 25 * 97);
-            assert_eq!(swept.list_builds(), others[0].list_builds());
-            assert!(2 * swept.contact_count() > swept.len(), "{}", swept.contact_count());
-            // Observers see every wrench after the last step.
-            assert_eq!(swept.snapshot(), others[0].snapshot());
-        }
-    }
-
-    #[test]
-    fn a_restart_between_sweeps_changes_no_bit() {
-        let mut straight = tube(0, 1, Kernels::Fastest);
-        straight.run(1500).unwrap();
-        let mut stopped = tube(0, 1, Kernels::Fastest);
-        stopped.run(777).unwrap();
-        let state = stopped.snapshot();
-        let mut resumed = tube(0, 1, Kernels::Fastest);
-        resumed.restore(&state).unwrap();
-        resumed.run(1500 - 777).unwrap();
-        assert_eq!(straight.snapshot(), resumed.snapshot());
-    }
-
-    #[test]
-    fn a_fault_in_a_sweep_is_told_as_by_single_steps_and_leaves_the_world_there() {
-        let mut found = Vec::new();
-        for limit in [3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3] {
-            let run = |far: usize, threads: usize| {
-                let mut w = tube(far, threads, Kernels::Fastest);
-                w.run(300).unwrap();
-                w.make.overlap_limit = limit;
-                (w.run(4000).map_err(|error| error.to_string()), w)
-            };
-            let ((told, swept), (expected, single)) = (run(0, 1), run(usize::MAX, 1));
-            assert_eq!(told, expected);
-            assert_eq!(told, run(0, 2).0);
-            assert_eq!(swept.step_number(), single.step_number());
-            found.push(swept.scratch.tiers.iter().filter(|tier| tier.is_deep()).count());
-            for p in single.particles() {
-                let off = (swept.position(p) - single.position(p)).length();
-                // Who went on by one step comes back to rounding; another one in a blow of 2000 m/s2 makes 8e-7 m.
-                assert!(off < 1e-6, "{limit}, {p}: {off:e} m");
-            }
-        }
-        assert!(found.iter().any(|deep| *deep > 0), "no fault in a sweep: {found:?}");
-    }
-}
+#[path = "sweep_tests.rs"]
+mod tests;

@@ -23,8 +23,8 @@ use crate::rigid::Clump;
 use crate::spheres::{ClumpView, SphereView};
 use crate::strips::Strips;
 use crate::sums::{LateEnds, Ring};
-use crate::sweep::Tier;
 use crate::threads::Team;
+use crate::tier::Tier;
 
 /// State of everything that moves.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -180,6 +180,8 @@ pub(crate) struct Scratch {
     pub(crate) kept: Kept,
     /// How one pass is shared out.
     pub(crate) strips: Strips,
+    /// The list in one strip, in a far bed.
+    pub(crate) whole: Strips,
     /// For each strip, sums of touching pairs of the bodies that it has not finished yet.
     pub(crate) rings: Vec<Ring>,
     pub(crate) strip_yield: Vec<StripYield>,
@@ -192,7 +194,7 @@ pub(crate) struct Scratch {
 /// Of which touching pairs wrenches are kept.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum Kept {
-    /// Of none: the list has changed.
+    /// Of none: the list has changed, or steps went in a sweep.
     #[default]
     None,
     /// Of those that the strips of one pass keep.

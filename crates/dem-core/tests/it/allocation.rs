@@ -8,7 +8,7 @@ use dem_core::contact::kinematics::{Kinematics, PairGeometry};
 use dem_core::contact::model::{ContactLaw, ContactResponse};
 use dem_core::prelude::*;
 
-use crate::scenes::{Model, bead_material, drum, model};
+use crate::scenes::{Model, Random, bead_material, drum, model};
 
 struct Counting;
 
@@ -57,6 +57,38 @@ fn steps_and_list_builds_allocate_nothing_after_warm_up() {
         let builds = world.list_builds();
         let before = ALLOCATIONS.get();
         world.run(4000).unwrap();
+        assert_eq!(ALLOCATIONS.get() - before, 0, "{threads} threads");
+        assert!(world.list_builds() > builds);
+    }
+}
+
+/// A trough of 202 layers of a hundred beads, so many that steps go in sweeps.
+fn trough(threads: usize) -> World<Model> {
+    let mut b = WorldBuilder::new(2e-5);
+    let bead = b.material(bead_material());
+    b.pair_law(bead, bead, model(0.5, 0.8, 0.01));
+    b.gravity(DVec3::NEG_Y * 9.81).threads(threads).skin(6e-4).allow_large_time_step();
+    b.domain(DVec3::new(-0.03, -0.01, -0.01), DVec3::new(0.03, 0.06, 0.87));
+    b.wall(Wall::plane(DVec3::ZERO, DVec3::Y, bead));
+    b.wall(Wall::plane(DVec3::X * -0.0215, DVec3::X, bead));
+    b.wall(Wall::plane(DVec3::X * 0.0215, DVec3::NEG_X, bead));
+    let mut random = Random(9);
+    for k in 0..20_200 {
+        let (i, j, k) = (k % 10, k / 10 % 10, k / 100);
+        let at = DVec3::new(i as f64 - 4.5, j as f64 + 0.6, k as f64 + 1.0) * 4.2e-3;
+        b.sphere(Sphere::at(at + random.vector() * 1e-4, 2e-3, bead));
+    }
+    b.build().unwrap()
+}
+
+#[test]
+fn sweeps_over_a_far_bed_allocate_nothing_after_warm_up() {
+    for threads in [1, 2] {
+        let mut world = trough(threads);
+        world.run(5000).unwrap();
+        let builds = world.list_builds();
+        let before = ALLOCATIONS.get();
+        world.run(1500).unwrap();
         assert_eq!(ALLOCATIONS.get() - before, 0, "{threads} threads");
         assert!(world.list_builds() > builds);
     }
