@@ -72,6 +72,8 @@ fn trough(threads: usize) -> World<Model> {
     b.wall(Wall::plane(DVec3::ZERO, DVec3::Y, bead));
     b.wall(Wall::plane(DVec3::X * -0.0215, DVec3::X, bead));
     b.wall(Wall::plane(DVec3::X * 0.0215, DVec3::NEG_X, bead));
+    b.wall(Wall::plane(DVec3::ZERO, DVec3::Z, bead));
+    b.wall(Wall::plane(DVec3::Z * 0.855, DVec3::NEG_Z, bead));
     let mut random = Random(9);
     for k in 0..20_200 {
         let (i, j, k) = (k % 10, k / 10 % 10, k / 100);
