@@ -204,8 +204,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             return 0;
         }
         let farthest = s.moved.square.iter().fold(0.0f64, |most, square| most.max(*square)).sqrt();
-        let holds =
-            ((0.5 * self.make.skin - farthest) / s.stride).min((MOST_STEPS - 1) as f64) as u64;
+        let (room, stride) = (0.5 * self.make.skin - farthest, s.stride);
+        // None where one of them is not known.
+        let in_room = |step: &u64| *step as f64 * stride <= room;
+        let holds = (1..MOST_STEPS as u64).take_while(in_room).count() as u64;
         if self.state.walls.iter().all(|w| w.motion == crate::geometry::Motion::default()) {
             return holds;
         }

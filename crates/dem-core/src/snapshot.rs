@@ -104,7 +104,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.scratch.kept = Kept::All;
         self.scratch.strips.forget();
+        self.scratch.whole.forget();
         self.scratch.near_order.forget();
+        // How far bodies have moved since its list was made is not known.
+        self.scratch.stride = f64::INFINITY;
         self.make.gravity = snapshot.gravity;
         self.make.drag = snapshot.drag;
         self.ledger_wanted = snapshot.ledger_wanted;

@@ -147,7 +147,7 @@ fn touched(pairs: &PairList, chunk: usize) -> std::ops::Range<usize> {
 }
 
 /// Pieces of the spheres of a chunk, padding included.
-fn ends(pairs: &PairList, chunk: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn ends(pairs: &PairList, chunk: usize) -> impl Iterator<Item = usize> {
     let own = chunk * CHUNK..((chunk + 1) * CHUNK).min(pairs.near_begin);
     let places = pairs.first[own.clone()].iter().chain(&pairs.second[own]);
     places.map(|&place| place as usize / PIECE)

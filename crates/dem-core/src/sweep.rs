@@ -25,7 +25,7 @@ use crate::one_pass::{Chunk, Pass};
 use crate::particles::{Bodies, Record};
 use crate::spheres::SphereView;
 use crate::step::{contacts_of, kernel_of};
-use crate::strips::Strips;
+use crate::strips::{Strips, ends};
 use crate::sums::{Collect, PIECE, Ring};
 use crate::threads::{Cut, InTurn, Runs, View, cut};
 use crate::tier::{Ahead, Tier};
@@ -261,6 +261,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             if nth < stopped || !(until > tier.gone.chunk || to_its_end) {
                 return;
             }
+            debug_assert!(
+                (tier.gone.chunk..until)
+                    .flat_map(|c| ends(pairs, c))
+                    .all(|p| bodies.left().contains(&p)),
+                "others' bodies are read"
+            );
             // Later tiers find in the cache what the first has left there.
             let far = (nth + 1 == steps).then_some(spins);
             self.pass(
