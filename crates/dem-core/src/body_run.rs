@@ -3,6 +3,7 @@
 use crate::integrate::Integrator;
 use crate::particles::{Bodies, Record};
 use crate::simd::Quad;
+use crate::spheres::SphereView;
 use crate::threads::{Chunks, cut};
 
 /// A run of bodies.
@@ -24,6 +25,9 @@ pub(crate) struct Run<'a> {
 /// The records of a run of bodies: those that contacts read first, in the order of [`cut_bodies`].
 pub(crate) type Columns<'a> = [&'a mut [Record]; 10];
 
+/// Which of [`cut_bodies`] are the spins.
+pub(crate) const SPIN: usize = 5;
+
 /// Cut the bodies into runs of `size`.
 pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 10] {
     [
@@ -39,6 +43,20 @@ pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 10
         &mut b.angular_memory,
     ]
     .map(|column| cut(column, size))
+}
+
+impl<'a> SphereView<'a> {
+    /// What contacts read of bodies that are spheres, while others are written.
+    pub(crate) fn of_columns(columns: &[Chunks<'a, Record>; 10]) -> Self {
+        let [position, mean_velocity, mean_spin, end_velocity, ..] = columns;
+        SphereView {
+            position: position.view(),
+            mean_velocity: mean_velocity.view(),
+            mean_spin: mean_spin.view(),
+            end_velocity: end_velocity.view(),
+            clumps: None,
+        }
+    }
 }
 
 impl<'a> Run<'a> {

@@ -114,7 +114,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             )),
             walls: &self.state.wall_list,
             w,
-            late: (&w.late, &self.scratch.late_ends),
+            late_ends: &self.scratch.late_ends,
         };
         let kick = Kick {
             make: &self.make,

@@ -35,18 +35,9 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     if with_touching {
         s.keep_all(near_begin);
     }
-    let w = &mut s.wrenches;
-    for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
-        v.resize(entries, Record::default());
-    }
-    s.pair_yield.resize_with(touching.div_ceil(CHUNK), Default::default);
-    let near_chunks = near.div_ceil(CHUNK);
-    if s.near_yield.len() < near_chunks {
-        // Never fewer, and some more, so that a list with a few pairs more asks for no memory.
-        s.near_yield.resize_with(near_chunks + near_chunks / 4 + 1, ChunkYield::with_room);
-    }
-    s.near_yield[near_chunks..].iter_mut().for_each(ChunkYield::reset);
-    s.wall_yield.resize_with(entries.div_ceil(CHUNK), Default::default);
+    s.wrenches.walls().into_iter().for_each(|v| v.resize(entries, Record::default()));
+    s.room_for_yields(pairs, walls);
+    let (w, near_chunks) = (&mut s.wrenches, near.div_ceil(CHUNK));
     place_on_meshes(context, make, walls, &mut s.mesh_nearest);
 
     let (order, moved) = (&s.near_order, &s.moved);
@@ -313,8 +304,21 @@ pub(crate) fn wall_contacts<M: ContactLaw>(
 fn sort_late(s: &mut Scratch, spheres: usize) {
     s.wrenches.late.clear();
     s.late_ends.clear(spheres);
-    for late in s.near_yield.iter().flat_map(|chunk| &chunk.late) {
-        s.wrenches.late.push(*late);
-        s.late_ends.push(late);
+    for chunk in &s.near_yield {
+        s.late_ends.extend(&mut s.wrenches.late, &chunk.late);
+    }
+}
+
+impl Scratch {
+    /// Have room for what the chunks of all contacts yield.
+    pub(crate) fn room_for_yields(&mut self, pairs: &PairList, walls: &WallList) {
+        self.pair_yield.resize_with(pairs.touching.div_ceil(CHUNK), Default::default);
+        let near_chunks = pairs.near().len().div_ceil(CHUNK);
+        if self.near_yield.len() < near_chunks {
+            // Never fewer, and some more, so that a list with a few pairs more asks for no memory.
+            self.near_yield.resize_with(near_chunks + near_chunks / 4 + 1, ChunkYield::with_room);
+        }
+        self.near_yield[near_chunks..].iter_mut().for_each(ChunkYield::reset);
+        self.wall_yield.resize_with(walls.len().div_ceil(CHUNK), Default::default);
     }
 }

@@ -10,7 +10,7 @@
 //! Several threads go so in several strips (`strips.rs`). Few bodies, those near where strips meet, have to wait
 //! until all strips are done: the wrenches on them are kept, and a last stage finishes them.
 
-use crate::body_run::{Columns, Run, cut_bodies};
+use crate::body_run::{Columns, Run, SPIN, cut_bodies};
 use crate::body_stage::{Drift, Kick, Piece};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::{CHUNK, Touching, all_contacts, touching_pairs};
@@ -44,8 +44,6 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) drift: &'a Drift<'a>,
     /// Spins and places when the list was made, of a bed that no cache holds.
     pub(crate) far: Option<[View<'a, Record>; 2]>,
-    /// Whether two overlap too deeply already.
-    pub(crate) deep: bool,
 }
 
 /// How far a strip has been gone through.
@@ -105,12 +103,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.strip_yield.resize(strips.count(), StripYield::default());
         s.rings.iter_mut().for_each(|ring| ring.cover(pairs.window, bodies.len()));
         let mut kept = s.wrenches.touching().map(std::mem::take);
-        let collect = Collect {
-            pairs: None,
-            walls: &walls,
-            w: &s.wrenches,
-            late: (&s.wrenches.late, &s.late_ends),
-        };
+        let collect =
+            Collect { pairs: None, walls: &walls, w: &s.wrenches, late_ends: &s.late_ends };
         let mut kick = Kick {
             make,
             members,
@@ -131,14 +125,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         {
             let count = bodies.len();
             let cut_columns = cut_bodies(&mut bodies, PIECE);
-            let view = |column: usize| cut_columns[column].view();
-            let spheres = SphereView {
-                position: view(0),
-                mean_velocity: view(1),
-                mean_spin: view(2),
-                end_velocity: view(3),
-                clumps: None,
-            };
+            let spheres = SphereView::of_columns(&cut_columns);
+            let spins = cut_columns[SPIN].view();
             let kernel = kernel_of(make, spheres, dt, false);
             let pass = Pass {
                 context: contacts_of(make, spheres, &placed, dt, false),
@@ -150,8 +138,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 bodies: count,
                 kick: &kick,
                 drift: &drift,
-                far: (count > make.far).then(|| [view(5), drift.reference.into()]),
-                deep,
+                far: (count > make.far).then(|| [spins, drift.reference.into()]),
             };
             let near_begin = pairs.near_begin;
             let mut chunks = (
@@ -168,7 +155,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 cut(&mut s.strip_yield, 1),
             );
             self.team.each(strips.count(), parts, |strip, (bodies, chunks, ring, into)| {
-                into[0] = pass.strip(strip, bodies, chunks, &mut ring[0]);
+                into[0] = pass.strip(strip, bodies, chunks, &mut ring[0], deep);
             });
         }
         (pairs.active, pairs.memory) = (active, memory);
@@ -217,13 +204,15 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 }
 
 impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
-    /// Go through a strip: compute its pairs, and finish those of its bodies that are not deferred.
+    /// Go through a strip: compute its pairs, and finish those of its bodies that are not deferred; `deep` tells whether two
+    /// overlap too deeply already.
     fn strip<'b, B, C>(
         &self,
         strip: usize,
         mut bodies: InTurn<'_, B>,
         mut chunks: InTurn<'_, C>,
         ring: &mut Ring,
+        deep: bool,
     ) -> StripYield
     where
         B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
@@ -231,7 +220,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
     {
         let all = chunks.left();
         let mut gone = Gone { chunk: all.start, piece: bodies.left().start, ..Gone::default() };
-        gone.into.deep = self.deep;
+        gone.into.deep = deep;
         self.go(strip, &mut bodies, &mut chunks, ring, &mut gone, (all.end, true));
         gone.into
     }
@@ -342,7 +331,7 @@ impl Scratch {
     }
 
     /// Have room for the wrenches of the chunks that the strips keep.
-    pub(crate) fn keep_some(&mut self, count: usize, strips: &Strips) {
+    fn keep_some(&mut self, count: usize, strips: &Strips) {
         let none = self.kept == Kept::None;
         for v in self.wrenches.touching() {
             // Never less, so that nothing has to be cleared but what is kept.
@@ -353,11 +342,6 @@ impl Scratch {
             }
         }
         self.kept = Kept::Some;
-    }
-
-    /// Keep nothing: what was kept is of an earlier step.
-    pub(crate) fn keep_none(&mut self) {
-        self.kept = Kept::None;
     }
 
     /// Let nobody look at the wrenches of some pairs only.

@@ -23,18 +23,22 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let team = self.team.clone();
         team.enter(|| {
             self.prepare()?;
-            let (mut left, mut drifted) = (steps, Ok(None));
-            while let (Ok(before), 1..) = (&drifted, left) {
-                let before = *before;
-                left -= 1;
-                drifted = self.advance(before, &mut left);
-            }
+            let done = self.advance_all(steps);
             self.spin_clumps();
-            if drifted.is_err() {
+            if done.is_err() {
                 self.scratch.drop_some();
             }
-            drifted.map(|_| ())
+            done
         })
+    }
+
+    fn advance_all(&mut self, mut left: u64) -> Result<(), Error> {
+        let mut drifted = None;
+        while left > 0 {
+            left -= 1;
+            drifted = self.advance(drifted, &mut left)?;
+        }
+        Ok(())
     }
 
     /// One time step. `drifted` says whether its first half was done already, and if so whether

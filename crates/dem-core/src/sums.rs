@@ -33,8 +33,7 @@ pub(crate) struct Collect<'a> {
     pub(crate) pairs: Option<(&'a PairList, [&'a [Record]; 3])>,
     pub(crate) walls: &'a WallList,
     pub(crate) w: &'a Wrenches,
-    /// Near pairs in action, and those of each piece.
-    pub(crate) late: (&'a [Late], &'a LateEnds),
+    pub(crate) late_ends: &'a LateEnds,
 }
 
 /// Ends of near pairs in action, one after the other for each piece of spheres in the order of the list: the place of the pair,
@@ -61,8 +60,13 @@ impl LateEnds {
         self.next.clear();
     }
 
-    /// The next near pair acts.
-    pub(crate) fn push(&mut self, late: &Late) {
+    /// The next near pairs act: they join `all`.
+    pub(crate) fn extend(&mut self, all: &mut Vec<Late>, more: &[Late]) {
+        all.extend_from_slice(more);
+        more.iter().for_each(|late| self.push(late));
+    }
+
+    fn push(&mut self, late: &Late) {
         for sphere in [late.first, late.second] {
             let (piece, end) = (sphere as usize / PIECE, self.next.len() as u32);
             match self.last[piece] {
@@ -220,9 +224,8 @@ impl Collect<'_> {
             }
         }
         let pieces = begin / PIECE..(end - 1) / PIECE + 1;
-        let (late, ends) = self.late;
-        for l in pieces.flat_map(|piece| ends.of(piece)) {
-            let late = &late[(l / 2) as usize];
+        for l in pieces.flat_map(|piece| self.late_ends.of(piece)) {
+            let late = &w.late[(l / 2) as usize];
             let (sphere, f, t) = if l & 1 == 0 {
                 (late.first, late.wrench.force, late.wrench.torque_on_first)
             } else {

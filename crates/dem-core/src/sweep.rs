@@ -12,12 +12,12 @@
 //! Everything is computed from the same numbers in the same order as by one pass after the other: the bits are the same.
 //! The list is asked whether it still holds only between sweeps (`World::list_holds`), with any number of threads.
 
-use crate::body_run::{Columns, Run, cut_bodies};
+use crate::body_run::{Columns, Run, SPIN, cut_bodies};
 use crate::body_stage::{Drift, Kick};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::CHUNK;
 use crate::error::Error;
-use crate::forces::{ChunkYield, deeper};
+use crate::forces::deeper;
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
@@ -29,7 +29,7 @@ use crate::strips::{Strips, ends};
 use crate::sums::{Collect, PIECE, Ring};
 use crate::threads::{Cut, InTurn, Runs, View, cut};
 use crate::tier::{Ahead, Tier};
-use crate::world::{Scratch, World, sphere_view};
+use crate::world::{Kept, Scratch, World, sphere_view};
 
 /// Bodies above which a bed is far: what is needed next is asked for before it is, and several steps go in a sweep.
 pub(crate) const FAR: usize = 20_000;
@@ -108,7 +108,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             tier.placed.clone_from(&s.placed);
             self.place_walls(&mut tier.placed, step as f64 * dt, dt);
         }
-        s.make_room_for_a_sweep(&pairs, &walls);
+        s.room_for_yields(&pairs, &walls);
+        s.moved.cover(count);
+        // Nothing is kept of what touches.
+        s.kept = Kept::None;
         let mut bed = Bed {
             bodies: &mut bodies,
             pairs: &pairs,
@@ -129,11 +132,18 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let last = &mut tiers[stopped];
         self.state.step = last.step;
         std::mem::swap(&mut s.placed, &mut last.placed);
+        // Who looks at a fault sees near pairs and walls of its step.
+        std::mem::swap(&mut s.wrenches.late, &mut last.wrenches.late);
+        for (of_step, of_tier) in s.wrenches.walls().into_iter().zip(last.wrenches.walls()) {
+            std::mem::swap(of_step, of_tier);
+        }
         let deepest = deeper(deeper(last.gone.deepest, last.deep[0]), last.deep[1]);
         let moved_far = last.gone.into.moved_far;
         if last.is_deep() {
             for tier in &tiers[..=stopped] {
-                put_back(&mut bodies, tier.gone.into.drifted, dt);
+                let columns = cut_bodies(&mut bodies, PIECE);
+                let put_back = |_, columns| Run::of(0, columns).undo_drift(dt);
+                self.team.each(tier.gone.into.drifted, columns, put_back);
             }
             if I::FROM_MEAN {
                 let drifted = tiers[stopped].gone.into.drifted;
@@ -224,15 +234,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let of_pieces = starts(tiers, |tier| tier.gone.piece, count.div_ceil(PIECE));
         let of_chunks = starts(tiers, |tier| tier.gone.chunk, chunks);
         let columns = cut_bodies(bed.bodies, PIECE);
-        let view = |column: usize| columns[column].view();
-        let spheres = SphereView {
-            position: view(0),
-            mean_velocity: view(1),
-            mean_spin: view(2),
-            end_velocity: view(3),
-            clumps: None,
-        };
-        let spins = view(5);
+        let (spheres, spins) = (SphereView::of_columns(&columns), columns[SPIN].view());
         let mut none: [[Record; 0]; 3] = [[]; 3];
         let mut to_do = (
             cut(&mut bed.of_pairs.0[..begin], CHUNK),
@@ -301,12 +303,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let kick = Kick {
             make,
             members,
-            collect: Collect {
-                pairs: None,
-                walls,
-                w: &tier.wrenches,
-                late: (&tier.late, &tier.late_ends),
-            },
+            collect: Collect { pairs: None, walls, w: &tier.wrenches, late_ends: &tier.late_ends },
             gravity: make.gravity.at(tier.step as f64 * dt),
             // Nobody books energies here.
             gravity_rate: glam::DVec3::ZERO,
@@ -331,34 +328,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             kick: &kick,
             drift: &drift,
             far: far.map(|spins| [spins, drift.reference.into()]),
-            deep: false,
         };
         pass.go(0, &mut bodies, &mut chunks, &mut tier.ring, &mut tier.gone, until);
-    }
-}
-
-/// Move the bodies of so many pieces back by what they have moved last.
-fn put_back(bodies: &mut Bodies, pieces: usize, dt: f64) {
-    let end = (pieces * PIECE).min(bodies.len());
-    for (x, v) in bodies.position[..end].iter_mut().zip(&bodies.mean_velocity) {
-        x.add(v.vector() * -dt);
-    }
-}
-
-impl Scratch {
-    /// Have room for what the tiers compute.
-    fn make_room_for_a_sweep(&mut self, pairs: &PairList, walls: &WallList) {
-        self.pair_yield.resize_with(pairs.touching.div_ceil(CHUNK), Default::default);
-        let near_chunks = pairs.near().len().div_ceil(CHUNK);
-        if self.near_yield.len() < near_chunks {
-            self.near_yield.resize_with(near_chunks + near_chunks / 4 + 1, ChunkYield::with_room);
-        }
-        self.near_yield[near_chunks..].iter_mut().for_each(ChunkYield::reset);
-        self.wall_yield.resize_with(walls.len().div_ceil(CHUNK), Default::default);
-        self.mesh_nearest.clear();
-        self.moved.cover(pairs.touching_start.len() - 1);
-        // Nothing is kept of what touches.
-        self.keep_none();
     }
 }
 

@@ -115,6 +115,8 @@ fn a_fault_in_a_sweep_is_told_as_by_single_steps_and_leaves_the_world_there() {
         assert_eq!(told, expected);
         assert_eq!(told, run(0, 2).0);
         assert_eq!(swept.step_number(), single.step_number());
+        // Observers see the near pairs and the walls of that step.
+        assert!(swept.scratch.wrenches == single.scratch.wrenches, "{limit}");
         found.push(swept.scratch.tiers.iter().filter(|tier| tier.is_deep()).count());
         for p in single.particles() {
             let off = (swept.position(p) - single.position(p)).length();

@@ -2,7 +2,7 @@
 
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::{CHUNK, NearPairs, near_pairs, wall_contacts};
-use crate::forces::{ChunkYield, Contacts, DeepOverlap, Late, MemoryRun, deeper};
+use crate::forces::{ChunkYield, Contacts, DeepOverlap, MemoryRun, deeper};
 use crate::geometry::PlacedWall;
 use crate::neighbour::near_order::{Moved, NearOrder};
 use crate::neighbour::verlet_list::PairList;
@@ -19,9 +19,8 @@ use crate::world::Wrenches;
 pub(crate) struct Tier {
     pub(crate) step: u64,
     pub(crate) placed: Vec<PlacedWall>,
-    pub(crate) late: Vec<Late>,
     pub(crate) late_ends: LateEnds,
-    /// Those of walls.
+    /// Those of near pairs in action and of walls.
     pub(crate) wrenches: Wrenches,
     pub(crate) ring: Ring,
     /// Chunks of near pairs and of walls that are computed.
@@ -37,12 +36,9 @@ pub(crate) struct Tier {
 impl Tier {
     pub(crate) fn begin(&mut self, step: u64, bodies: usize, window: usize, walls: usize) {
         self.step = step;
-        self.late.clear();
+        self.wrenches.late.clear();
         self.late_ends.clear(bodies);
-        let w = &mut self.wrenches;
-        for v in [&mut w.wall_force, &mut w.wall_torque, &mut w.wall_torque_on_wall] {
-            v.resize(walls, Record::default());
-        }
+        self.wrenches.walls().into_iter().for_each(|v| v.resize(walls, Record::default()));
         self.ring.cover(window, bodies);
         (self.near, self.walls, self.covered, self.deep) = (0, 0, 0, [None; 2]);
         self.gone = Gone::default();
@@ -100,10 +96,7 @@ impl Ahead<'_> {
             let chunk = NearPairs { first, second, active };
             let memory = MemoryRun { slots: pairs.slots, numbers };
             near_pairs(context, self.vector, looks, chunk, memory, &mut into[0]);
-            for late in &into[0].late {
-                tier.late.push(*late);
-                tier.late_ends.push(late);
-            }
+            tier.late_ends.extend(&mut tier.wrenches.late, &into[0].late);
             tier.deep[0] = deeper(tier.deep[0], into[0].deep.take());
             tier.near += 1;
         }

@@ -142,6 +142,11 @@ impl Wrenches {
     pub(crate) fn touching(&mut self) -> [&mut Vec<Record>; 3] {
         [&mut self.pair_force, &mut self.pair_torque_first, &mut self.pair_torque_second]
     }
+
+    /// Those of walls: forces, torques on spheres and on walls.
+    pub(crate) fn walls(&mut self) -> [&mut Vec<Record>; 3] {
+        [&mut self.wall_force, &mut self.wall_torque, &mut self.wall_torque_on_wall]
+    }
 }
 
 /// Buffers that can be made anew from the state.
