@@ -319,7 +319,7 @@ impl<M> Kick<'_, M> {
 impl Farthest {
     /// Note the square of a displacement since the list was made.
     #[inline(always)]
-    fn note(&mut self, square: f64, limit: f64) {
+    pub(crate) fn note(&mut self, square: f64, limit: f64) {
         // Also if it is no number.
         self.too_far |= !(square <= limit);
         if square > self.square {

@@ -1,7 +1,7 @@
 //! Making the neighbour list, and knowing when it has to be made again.
 //!
-//! The list holds every pair whose gap is below the skin. It is good as long as no body has moved
-//! by more than half the skin since it was made. In a drum most of the bed turns with the wall
+//! The list holds every pair whose gap is below the skin. It is good as long as no sphere has moved
+//! by more than half the skin since it was made; those of a clump move with its centre and by its turns. In a drum most of the bed turns with the wall
 //! like a solid, and a common rigid motion brings no two bodies nearer: so displacements are
 //! measured in the frame of the turning wall whenever that makes them smaller.
 
@@ -72,6 +72,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         state.list.reference.clone_from(&state.bodies.position);
+        state.list.attitude.clone_from(&state.members.attitude);
         state.list.time = state.step as f64 * self.make.dt;
         state.list.builds += 1;
         state.list_stale = false;
@@ -85,19 +86,22 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         Ok(())
     }
 
-    /// Sort the near pairs by their gaps, where spheres are the bodies and kernels look at pairs.
+    /// Sort the near pairs by their gaps, where kernels look at pairs.
     fn order_near(&mut self) {
+        let clumps = self.has_clumps();
         let s = &mut self.scratch;
         let (bodies, members, make) = (&self.state.bodies, &self.state.members, &self.make);
-        let spheres = sphere_view(bodies, members, false, make.dt);
+        let spheres = sphere_view(bodies, members, clumps, make.dt);
         match kernel_of(make, spheres, make.dt, false) {
-            Some(kernel) if make.shapes.is_empty() => {
+            Some(kernel) => {
                 let range = make.skin + make.range;
-                s.near_order.make(&self.state.pairs, range, &self.team, |first, second, gaps| {
+                let body = clumps.then_some(&members.body[..]);
+                let gaps = |first: &[_], second: &[_], gaps: &mut [_]| {
                     kernel.gaps(make.level, first, second, gaps);
-                });
+                };
+                s.near_order.make(&self.state.pairs, range, &self.team, body, gaps);
             }
-            _ => s.near_order.forget(),
+            None => s.near_order.forget(),
         }
     }
 
@@ -577,11 +581,13 @@ impl Turn {
         [r.x_axis, r.y_axis, r.z_axis, self.translation].map(|v| Record::new(v, 0.0))
     }
 
+    /// The rotation as a quaternion.
+    pub(crate) fn quaternion(&self) -> glam::DQuat {
+        glam::DQuat::from_mat3(&self.rotation)
+    }
+
     pub(crate) fn pose(&self) -> crate::geometry::Pose {
-        crate::geometry::Pose {
-            rotation: glam::DQuat::from_mat3(&self.rotation),
-            translation: self.translation,
-        }
+        crate::geometry::Pose { rotation: self.quaternion(), translation: self.translation }
     }
 }
 

@@ -139,7 +139,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
-const MAGIC: u64 = u64::from_le_bytes(*b"demcore4");
+const MAGIC: u64 = u64::from_le_bytes(*b"demcore5");
 
 impl Snapshot {
     /// The snapshot as bytes: little-endian numbers behind a version mark, with a checksum.
@@ -254,6 +254,7 @@ impl Snapshot {
         }
         let l = &mut s.list;
         v.visit(&mut l.reference);
+        v.visit(&mut l.attitude);
         v.visit(&mut l.time);
         v.visit(&mut l.turning);
         v.visit(&mut l.builds);

@@ -47,8 +47,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (dt, more) = (self.make.dt, *left > 0);
         let moved_far = drifted.unwrap_or_else(|| {
             let moved_far = self.move_bodies(Halves::Drift);
-            self.turn_clumps();
-            moved_far
+            self.turn_clumps() | moved_far
         });
         self.state.step += 1;
         self.move_walls(dt);
@@ -76,8 +75,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         // A ledger and a fault look at the world between two steps.
         if more && overlaps.is_ok() && !self.ledger_wanted {
             let moved_far = self.move_bodies(Halves::KickAndDrift);
-            self.turn_clumps();
-            return Ok(Some(moved_far));
+            return Ok(Some(self.turn_clumps() | moved_far));
         }
         self.move_bodies(Halves::Kick);
         if self.ledger_wanted {

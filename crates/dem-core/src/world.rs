@@ -51,6 +51,8 @@ pub(crate) struct State {
 pub(crate) struct ListState {
     /// Positions of the bodies then.
     pub(crate) reference: Vec<Record>,
+    /// Their attitudes then, where there are clumps.
+    pub(crate) attitude: Vec<DQuat>,
     /// Time then, s.
     pub(crate) time: f64,
     /// Whether displacements are measured in the frame of the turning wall.

@@ -79,12 +79,14 @@ impl NearOrder {
         self.chunks.clear();
     }
 
-    /// Sort the near pairs of a list of this range, whose spheres are the bodies; `gaps` tells the gaps of blocks of pairs.
+    /// Sort the near pairs of a list of this range; `body` tells the bodies of spheres, unless they are those themselves, and
+    /// `gaps` the gaps of blocks of pairs.
     pub(crate) fn make(
         &mut self,
         pairs: &PairList,
         range: f64,
         team: &Team,
+        body: Option<&[u32]>,
         gaps: impl Fn(&[[u32; LANES]], &[[u32; LANES]], &mut [[f64; LANES]]) + Sync,
     ) {
         let near = pairs.near();
@@ -114,7 +116,7 @@ impl NearOrder {
         team.each(count, parts, |c, (to_first, to_second, index, chunk)| {
             let own = c * CHUNK..((c + 1) * CHUNK).min(first.len());
             let from = [&first[own.clone()], &second[own]];
-            chunk[0].sort(from, scale, &gaps, [to_first, to_second], index);
+            chunk[0].sort(from, scale, body, &gaps, [to_first, to_second], index);
         });
     }
 
@@ -146,6 +148,7 @@ impl NearChunk {
         &mut self,
         from: [&[u32]; 2],
         scale: f64,
+        body: Option<&[u32]>,
         gaps: &impl Fn(&[[u32; LANES]], &[[u32; LANES]], &mut [[f64; LANES]]),
         [first, second]: [&mut [u32]; 2],
         index: &mut [u8],
@@ -185,7 +188,7 @@ impl NearChunk {
         self.pieces.clear();
         let mut seen = [u32::MAX; TOLD_APART];
         for place in from.into_iter().flatten() {
-            let piece = place / PIECE as u32;
+            let piece = body.map_or(*place, |body| body[*place as usize]) / PIECE as u32;
             let slot = &mut seen[piece as usize % TOLD_APART];
             if *slot != piece {
                 *slot = piece;
@@ -219,7 +222,7 @@ mod tests {
         let count = pairs.near().len();
         assert_ne!(count % LANES, 0, "the last block is to be padded");
         let mut order = NearOrder::default();
-        order.make(&pairs, range, &Team::new(1), |first, second, gaps| {
+        order.make(&pairs, range, &Team::new(1), None, |first, second, gaps| {
             let ends = first.as_flattened().iter().zip(second.as_flattened());
             for (gap, (a, b)) in gaps.as_flattened_mut().iter_mut().zip(ends) {
                 *gap = gap_of(*a, *b);

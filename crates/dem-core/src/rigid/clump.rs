@@ -42,6 +42,8 @@ pub struct Clump {
     pub(crate) principal: DQuat,
     pub(crate) centre_of_mass: DVec3,
     pub(crate) bounding_radius: f64,
+    /// Distance from the centre of mass to that of the farthest sphere, m.
+    pub(crate) reach: f64,
     pub(crate) material: MaterialId,
 }
 
@@ -111,6 +113,7 @@ impl TryFrom<ClumpSpec> for Clump {
             .collect();
         let bounding_radius =
             spheres.iter().map(|s| s.centre.length() + s.radius).fold(0.0, f64::max);
+        let reach = spheres.iter().map(|s| s.centre.length()).fold(0.0, f64::max);
         Ok(Self {
             spheres,
             mass: spec.mass,
@@ -118,6 +121,7 @@ impl TryFrom<ClumpSpec> for Clump {
             principal,
             centre_of_mass: spec.centre_of_mass,
             bounding_radius,
+            reach,
             material: spec.material,
         })
     }

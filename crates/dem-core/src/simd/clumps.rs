@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 
 use super::lanes::{Lanes, Numbers, V3};
 use super::{Level, widened};
+use crate::body_stage::Farthest;
 use crate::particles::Record;
 use crate::rigid::{Clump, axes_of, free_turn, spin_of};
 use crate::world::SPHERE;
@@ -43,6 +44,53 @@ pub(crate) struct Turning<'a> {
     pub(crate) momentum: &'a mut [Record],
     /// Time step, s.
     pub(crate) dt: f64,
+    pub(crate) since: Since<'a>,
+    /// How far spheres of clumps have moved.
+    pub(crate) farthest: &'a mut Farthest,
+}
+
+/// Where the bodies of a chunk were when the list was made, and how far the frame of the list has turned since.
+#[derive(Clone, Copy)]
+pub(crate) struct Since<'a> {
+    pub(crate) position: &'a [Record],
+    pub(crate) reference: &'a [Record],
+    pub(crate) attitude: &'a [DQuat],
+    /// Columns of the rotation, the translation.
+    pub(crate) frame: &'a [Record; 4],
+    pub(crate) turn: DQuat,
+    /// Square of the displacement that calls for a list, m2.
+    pub(crate) limit: f64,
+}
+
+/// At least how far any sphere of a body has moved in a turned frame: its centre at most `reach` from the body's, which went from
+/// `reference` to `position` while the attitude went from `then` to `now`.
+///
+/// Two rotations with quaternions `p` and `q` take a vector to places that are at most `2 |p - q|` of its length apart: their chord
+/// is `4 sin(a/4) cos(a/4)` for an angle `a` between them, and `|p - q|` is `2 sin(a/4)`. Of `q` and `-q`, which
+/// are the same rotation, the nearer one counts.
+#[inline(always)]
+fn moved_since<V: Numbers>(
+    [x, y, z, shift]: [V3<V>; 4],
+    turn: [V; 4],
+    [reference, position]: [V3<V>; 2],
+    [then, now]: [[V; 4]; 2],
+    reach: V,
+) -> V {
+    let image = x * reference.x + y * reference.y + z * reference.z + shift;
+    let d = position - image;
+    let [a, b, c, w] = turn;
+    let [p, q, r, v] = then;
+    let (t, o) = (V3 { x: a, y: b, z: c }, V3 { x: p, y: q, z: r });
+    let turned = o * w + t * v + t.cross(o);
+    let scalar = w * v - t.dot(o);
+    let apart = |sign: V| {
+        let [i, j, k, l] = now;
+        let d = V3 { x: i, y: j, z: k } - turned * sign;
+        let e = l - scalar * sign;
+        d.dot(d) + e * e
+    };
+    let nearer = apart(V::splat(1.0)).min(apart(V::splat(-1.0)));
+    d.dot(d).sqrt() + reach * V::splat(2.0) * nearer.sqrt()
 }
 
 /// What comes of a turn.
@@ -79,6 +127,13 @@ impl OnBodies for Turning<'_> {
             l.set(of.momentum.into());
             self.mean_spin[k].set(of.mean_spin.into());
             self.end_spin[k].set(of.end_spin.into());
+            let s = &self.since;
+            let frame = s.frame.each_ref().map(|r| r.vector().into());
+            let [from, to] = [&s.reference[k], &s.position[k]].map(|r| r.vector().into());
+            let attitudes = [s.attitude[k].to_array(), of.attitude];
+            let reach = self.shapes[shape as usize].reach;
+            let moved = moved_since(frame, s.turn.to_array(), [from, to], attitudes, reach);
+            self.farthest.note(moved * moved, s.limit);
         }
     }
 
@@ -113,9 +168,10 @@ impl Turning<'_> {
             #[inline(always)]
             |lane| {
                 let shape = self.shape[group[lane]] as usize;
-                Record::new(self.shapes[shape].moments.recip(), 0.0)
+                Record::new(self.shapes[shape].moments.recip(), self.shapes[shape].reach)
             },
         );
+        let reach = inverse[3];
         let attitude = attitudes::<V>(self.attitude, group);
         let momentum = picked::<V>(self.momentum, group);
         let torque = picked::<V>(self.torque, group);
@@ -135,6 +191,20 @@ impl Turning<'_> {
             for (&k, r) in group.iter().zip(&records) {
                 to[k] = Record { w: to[k].w, ..*r };
             }
+        }
+        let s = &self.since;
+        let frame = s.frame.each_ref().map(
+            #[inline(always)]
+            |r| V3 { x: V::splat(r.x), y: V::splat(r.y), z: V::splat(r.z) },
+        );
+        let centres =
+            [V3::of(picked::<V>(s.reference, group)), V3::of(picked::<V>(s.position, group))];
+        let attitudes = [attitudes::<V>(s.attitude, group), of.attitude];
+        let moved = moved_since(frame, s.turn.to_array().map(V::splat), centres, attitudes, reach);
+        let mut squares = [0.0; 8];
+        (moved * moved).store(&mut squares);
+        for square in squares {
+            self.farthest.note(square, s.limit);
         }
     }
 }
@@ -277,6 +347,8 @@ mod tests {
         first: Vec<u32>,
         arm: Vec<Record>,
         position: Vec<Record>,
+        /// The farthest that a sphere has moved, squared, after each turn.
+        farthest: Vec<f64>,
     }
 
     fn shapes() -> Vec<Clump> {
@@ -316,6 +388,7 @@ mod tests {
             end_spin: vec![Record::ZERO; n],
             arm: vec![Record::new(DVec3::ZERO, 3e-3); spheres],
             position: vec![Record::ZERO; spheres],
+            farthest: Vec::new(),
             first,
             shape,
         }
@@ -324,7 +397,18 @@ mod tests {
     fn moved(level: Level) -> Bodies {
         let (shapes, mut b) = (shapes(), bodies());
         let centre: Vec<Record> = b.torque.iter().map(|t| Record { w: 3e-3, ..*t * 1e6 }).collect();
+        let (reference, attitude) = (vec![Record::ZERO; centre.len()], b.attitude.clone());
+        let frame = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO].map(|v| Record::new(v, 0.0));
         for _ in 0..3 {
+            let mut farthest = Farthest::default();
+            let since = Since {
+                position: &centre,
+                reference: &reference,
+                attitude: &attitude,
+                frame: &frame,
+                turn: DQuat::IDENTITY,
+                limit: 1e-6,
+            };
             Turning {
                 shapes: &shapes,
                 shape: &b.shape,
@@ -334,8 +418,12 @@ mod tests {
                 end_spin: &mut b.end_spin,
                 momentum: &mut b.momentum,
                 dt: 2e-5,
+                since,
+                farthest: &mut farthest,
             }
             .run(level);
+            b.farthest.push(farthest.square);
+            assert!(farthest.too_far);
         }
         Placing {
             shapes: &shapes,
@@ -348,6 +436,39 @@ mod tests {
         }
         .run(level);
         b
+    }
+
+    #[test]
+    fn no_sphere_moves_further_than_told() {
+        // Any turn of a body in any turned frame: the bound holds, and is tight for small turns.
+        let at = |k: f64| DVec3::new((1.7 * k).sin(), (2.3 * k).cos(), (3.1 * k).sin());
+        for k in 0..400 {
+            let seed = 0.37 * f64::from(k);
+            let angle = [1e-9, 1e-3, 0.1, 1.0, 3.0][k as usize % 5];
+            let frame = DQuat::from_scaled_axis(at(seed + 0.2) * angle);
+            let then = DQuat::from_scaled_axis(at(seed + 0.5) * 3.0);
+            let own = at(seed + 0.9).normalize();
+            let now = DQuat::from_scaled_axis(own * angle) * frame * then;
+            let now = if k % 2 == 0 { now } else { -now };
+            let (shift, reference, position) = (at(seed), at(seed + 2.0), at(seed + 3.0));
+            let f = glam::DMat3::from_quat(frame);
+            let columns = [f.x_axis, f.y_axis, f.z_axis, shift].map(V3::from);
+            let (ends, attitudes) = ([reference, position], [then.to_array(), now.to_array()]);
+            let of = |reach: f64| {
+                moved_since(columns, frame.to_array(), ends.map(V3::from), attitudes, reach)
+            };
+            let reach = 0.3;
+            // The arm across the axis of the turn moves most.
+            let across = (frame * then).conjugate() * own.any_orthonormal_vector() * reach;
+            let image = |p: DVec3| frame * p + shift;
+            let before = image(reference + then * across);
+            let after = position + now * across;
+            assert!((after - before).length() <= of(reach) + 1e-12);
+            let turned = (now * across - frame * (then * across)).length();
+            let told = of(reach) - of(0.0);
+            let tight = if angle < 0.2 { 1.001 * turned + 1e-14 } else { 2.0 * turned };
+            assert!(told <= tight && turned <= told + 1e-14, "{angle}: {turned} {told}");
+        }
     }
 
     #[test]

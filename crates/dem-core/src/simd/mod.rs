@@ -22,7 +22,7 @@ mod wall;
 
 use std::any::Any;
 
-pub(crate) use clumps::{OnBodies, Placing, Turning};
+pub(crate) use clumps::{OnBodies, Placing, Since, Turning};
 pub(crate) use hertz_mindlin::Features;
 pub(crate) use lanes::{Mask, Numbers, Quad, Quads, V3};
 pub(crate) use pairs::{PairKernel, Run, Wrenches};
