@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::geometry::{PlacedWall, Pose};
 use crate::integrate::Integrator;
 use crate::neighbour::Period;
-use crate::neighbour::cell_list::CellList;
+use crate::neighbour::cell_list::{CellList, columns_of};
 use crate::neighbour::verlet_list::{Found, LANES};
 use crate::particles::{Bodies, Record};
 use crate::simd::{Level, widened};
@@ -301,12 +301,17 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let range = self.make.skin + self.make.range;
         let (period, level) = (self.make.period, self.make.level);
         let margin = if self.has_clumps() { TOUCHING_MARGIN_OF_CLUMPS } else { TOUCHING_MARGIN };
+        let clumps = self.has_clumps();
         let s = &mut self.scratch;
         s.cells.sort(&self.state.bodies.position, range, period);
+        if clumps {
+            columns_of(&self.state.members.position, &mut s.sphere_columns);
+        }
         let search = Search {
             cells: &s.cells,
             bodies: &self.state.bodies,
-            members: self.make.shapes.first().map(|_| &self.state.members),
+            members: clumps.then_some(&self.state.members),
+            spheres: &s.sphere_columns,
             range,
             margin: margin * self.make.skin,
             period,
@@ -332,10 +337,24 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let slots = self.make.slots;
         let mut list = std::mem::take(&mut self.state.wall_list);
         list.clear(slots);
-        let position = self.sphere_positions();
+        let mut in_reach = std::mem::take(&mut self.scratch.walls_in_reach);
+        in_reach.clear();
+        in_reach.extend(0..self.scratch.placed.len());
+        let (position, members) = (self.sphere_positions(), &self.state.members);
         for (k, p) in position.iter().enumerate() {
             list.start.push(list.len() as u32);
-            for (w, wall) in self.scratch.placed.iter().enumerate() {
+            // Walls out of reach of a clump as a whole are out of reach of its spheres.
+            if let Some(&body) = members.body.get(k)
+                && members.first[body as usize] as usize == k
+            {
+                let (whole, walls) =
+                    (&self.state.bodies.position[body as usize], &self.scratch.placed);
+                let near = |w: &usize| !walls[*w].misses(whole.vector(), whole.w + range);
+                in_reach.clear();
+                in_reach.extend((0..walls.len()).filter(near));
+            }
+            for &w in &in_reach {
+                let wall = &self.scratch.placed[w];
                 if wall.misses(p.vector(), p.w + range) {
                     continue;
                 }
@@ -362,6 +381,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         list.start.push(list.len() as u32);
         let old_place = sorted.then_some(&self.scratch.old_sphere_place[..]);
         list.take_over(&self.scratch.old_walls, old_place);
+        self.scratch.walls_in_reach = in_reach;
         self.state.wall_list = list;
     }
 }
@@ -372,6 +392,8 @@ struct Search<'a> {
     bodies: &'a Bodies,
     /// The spheres of clumps, if there are clumps.
     members: Option<&'a Members>,
+    /// Coordinates and radii of those spheres, with room for one more vector at the end.
+    spheres: &'a [Vec<f64>; 4],
     range: f64,
     margin: f64,
     period: Option<Period>,
@@ -486,51 +508,62 @@ impl Search<'_> {
         }));
     }
 
-    fn distance_squared(&self, a: &Record, b: &Record) -> f64 {
-        Period::shortest(self.period, b.vector() - a.vector()).length_squared()
-    }
-
-    fn in_reach(&self, a: &Record, b: &Record) -> bool {
-        self.distance_squared(a, b) < (a.w + b.w + self.range).powi(2)
-    }
-
-    /// Keep the pair of spheres `i` and `j`, which are in reach of each other.
+    /// Keep the pairs of spheres of two bodies that are in reach of each other: the spheres of the first that are in reach of the
+    /// second as a whole are held against eight of its spheres at a time.
     #[inline(always)]
-    fn keep(&self, i: u32, j: u32, ids: &[u32], a: &Record, b: &Record, found: &mut Vec<Found>) {
-        let near = (a.w + b.w + self.margin).powi(2);
-        let touching = self.distance_squared(a, b) < near;
-        found.push(Found::pair(ids, i, j, touching));
-    }
-
-    /// Look at the spheres of two bodies: those of each that are in reach of the other as a whole.
-    #[inline(never)]
     fn spheres_of(&self, m: &Members, i: u32, j: u32, found: &mut Vec<Found>) {
-        let own = |body: u32| m.first[body as usize]..m.first[body as usize + 1];
-        let whole = |body: u32| &self.bodies.position[body as usize];
-        let (first, second) = (own(i), own(j));
-        // Of the first 64; those beyond are looked at in any case.
-        let marks = second.clone().take(64).enumerate().fold(0u64, |marks, (k, t)| {
-            marks | u64::from(self.in_reach(&m.position[t as usize], whole(i))) << k
-        });
-        for s in first {
-            let a = &m.position[s as usize];
-            if !self.in_reach(a, whole(j)) {
-                continue;
-            }
-            let mut look = |t: u32| {
-                let b = &m.position[t as usize];
-                if self.in_reach(a, b) {
-                    self.keep(s, t, &m.id, a, b, found);
+        let own = |body: u32| m.first[body as usize] as usize..m.first[body as usize + 1] as usize;
+        let whole = &self.bodies.position[j as usize];
+        for (begin, valid) in eights(own(i)) {
+            let [marks, _] = self.eight_in_reach(whole, begin);
+            for lane in set_bits(marks & valid) {
+                let first = begin + lane;
+                for (begin, valid) in eights(own(j)) {
+                    let [near, touching] = self.eight_in_reach(&m.position[first], begin);
+                    for lane in set_bits(near & valid) {
+                        let second = (begin + lane) as u32;
+                        let touching = touching >> lane & 1 != 0;
+                        found.push(Found::pair(&m.id, first as u32, second, touching));
+                    }
                 }
-            };
-            let mut left = marks;
-            while left != 0 {
-                look(second.start + left.trailing_zeros());
-                left &= left - 1;
             }
-            second.clone().skip(64).for_each(look);
         }
     }
+
+    /// Which of the eight spheres from `begin` on are in reach of a sphere, and which count as touching it.
+    #[inline(always)]
+    fn eight_in_reach(&self, own: &Record, begin: usize) -> [u8; 2] {
+        let gaps = [self.range, self.margin];
+        crate::simd::in_reach(self.level, own, self.spheres, begin, gaps, self.period)
+    }
+}
+
+/// Places eight at a time: where they begin, and which of them count.
+#[inline(always)]
+fn eights(places: std::ops::Range<usize>) -> impl Iterator<Item = (usize, u8)> {
+    let mut begin = places.start;
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let now = begin;
+            begin += LANES;
+            (now < places.end).then(|| (now, lowest_bits(places.end - now)))
+        },
+    )
+}
+
+/// Places of the set bits, the lowest first.
+#[inline(always)]
+fn set_bits(mut bits: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let lane = bits.trailing_zeros() as usize;
+            let any = bits != 0;
+            bits &= bits.wrapping_sub(1);
+            any.then_some(lane)
+        },
+    )
 }
 
 impl PlacedWall {

@@ -155,12 +155,16 @@ impl Wrenches {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
     pub(crate) cells: CellList,
+    /// Coordinates and radii of the spheres of clumps.
+    pub(crate) sphere_columns: [Vec<f64>; 4],
     pub(crate) found: Vec<Vec<Found>>,
     pub(crate) old_pairs: PairList,
     pub(crate) near_order: NearOrder,
     /// Displacements since the list was made.
     pub(crate) moved: Moved,
     pub(crate) old_walls: WallList,
+    /// Walls in reach of a clump.
+    pub(crate) walls_in_reach: Vec<usize>,
     pub(crate) order: Vec<u32>,
     pub(crate) old_sphere_place: Vec<u32>,
     /// Where each sphere of the old list is now.

@@ -44,6 +44,16 @@ pub(crate) struct CellList {
     axes: [usize; 3],
 }
 
+/// Records field by field, with room for one more vector at the end.
+pub(crate) fn columns_of(records: &[Record], columns: &mut [Vec<f64>; 4]) {
+    let fields: [fn(&Record) -> f64; 4] = [|r| r.x, |r| r.y, |r| r.z, |r| r.w];
+    for (column, field) in columns.iter_mut().zip(fields) {
+        column.clear();
+        column.extend(records.iter().map(field));
+        column.resize(records.len() + LANES, 0.0);
+    }
+}
+
 impl CellList {
     /// Sort the bodies at `position` (bounding radius in `w`) for a search up to gaps of `range`.
     pub(crate) fn sort(&mut self, position: &[Record], range: f64, period: Option<Period>) {
@@ -82,12 +92,7 @@ impl CellList {
         for l in 0..levels {
             begin = self.sort_level(l, begin, position, range, low, high, period);
         }
-        let fields: [fn(&Record) -> f64; 4] = [|r| r.x, |r| r.y, |r| r.z, |r| r.w];
-        for (column, field) in self.columns.iter_mut().zip(fields) {
-            column.clear();
-            column.extend(self.sorted.iter().map(field));
-            column.resize(n + LANES, 0.0);
-        }
+        columns_of(&self.sorted, &mut self.columns);
     }
 
     fn sort_level(

@@ -83,13 +83,10 @@ fn moved_since<V: Numbers>(
     let (t, o) = (V3 { x: a, y: b, z: c }, V3 { x: p, y: q, z: r });
     let turned = o * w + t * v + t.cross(o);
     let scalar = w * v - t.dot(o);
-    let apart = |sign: V| {
-        let [i, j, k, l] = now;
-        let d = V3 { x: i, y: j, z: k } - turned * sign;
-        let e = l - scalar * sign;
-        d.dot(d) + e * e
-    };
-    let nearer = apart(V::splat(1.0)).min(apart(V::splat(-1.0)));
+    let (own, l) = (V3 { x: now[0], y: now[1], z: now[2] }, now[3]);
+    let (minus, plus) = (own - turned, own + turned);
+    let (less, more) = (l - scalar, l + scalar);
+    let nearer = (minus.dot(minus) + less * less).min(plus.dot(plus) + more * more);
     d.dot(d).sqrt() + reach * V::splat(2.0) * nearer.sqrt()
 }
 
@@ -193,14 +190,14 @@ impl Turning<'_> {
             }
         }
         let s = &self.since;
-        let frame = s.frame.each_ref().map(
-            #[inline(always)]
-            |r| V3 { x: V::splat(r.x), y: V::splat(r.y), z: V::splat(r.z) },
-        );
-        let centres =
-            [V3::of(picked::<V>(s.reference, group)), V3::of(picked::<V>(s.position, group))];
+        let [x, y, z, shift] = s.frame;
+        let frame = [alike::<V>(x), alike(y), alike(z), alike(shift)];
+        let (from, to) = (picked::<V>(s.reference, group), picked::<V>(s.position, group));
+        let centres = [V3::of(from), V3::of(to)];
         let attitudes = [attitudes::<V>(s.attitude, group), of.attitude];
-        let moved = moved_since(frame, s.turn.to_array().map(V::splat), centres, attitudes, reach);
+        let [a, b, c, w] = s.turn.to_array();
+        let turn = [V::splat(a), V::splat(b), V::splat(c), V::splat(w)];
+        let moved = moved_since(frame, turn, centres, attitudes, reach);
         let mut squares = [0.0; 8];
         (moved * moved).store(&mut squares);
         for square in squares {
@@ -306,6 +303,12 @@ fn columns<V: Lanes>(of: impl Fn(usize) -> Record) -> [V; 4] {
     let records: [Record; 8] = [of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)];
     // SAFETY: there are eight.
     unsafe { V::gather(records[..].into(), &[0, 1, 2, 3, 4, 5, 6, 7]) }
+}
+
+/// The vector of a record in all lanes.
+#[inline(always)]
+fn alike<V: Lanes>(record: &Record) -> V3<V> {
+    V3 { x: V::splat(record.x), y: V::splat(record.y), z: V::splat(record.z) }
 }
 
 #[inline(always)]
