@@ -3,8 +3,8 @@
 use crate::integrate::Integrator;
 use crate::particles::{Bodies, Record};
 use crate::simd::Quad;
-use crate::spheres::SphereView;
-use crate::threads::{Chunks, cut};
+use crate::spheres::{ClumpView, SphereView};
+use crate::threads::{Chunks, View, cut};
 
 /// A run of bodies.
 pub(crate) struct Run<'a> {
@@ -46,15 +46,18 @@ pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 10
 }
 
 impl<'a> SphereView<'a> {
-    /// What contacts read of bodies that are spheres, while others are written.
-    pub(crate) fn of_columns(columns: &[Chunks<'a, Record>; 10]) -> Self {
+    /// What contacts read of bodies, while others are written, which are spheres or have theirs in `clumps`.
+    pub(crate) fn of_columns(
+        columns: &[Chunks<'a, Record>; 10],
+        clumps: Option<(View<'a, Record>, ClumpView<'a>)>,
+    ) -> Self {
         let [position, mean_velocity, mean_spin, end_velocity, ..] = columns;
         SphereView {
-            position: position.view(),
+            position: clumps.map_or(position.view(), |(spheres, _)| spheres),
             mean_velocity: mean_velocity.view(),
             mean_spin: mean_spin.view(),
             end_velocity: end_velocity.view(),
-            clumps: None,
+            clumps: clumps.map(|(_, clumps)| clumps),
         }
     }
 }

@@ -13,9 +13,10 @@ use crate::integrate::Integrator;
 use crate::list::Turn;
 use crate::particles::Record;
 use crate::simd::{Quad, Quads, RecordWork, on_records};
-use crate::sums::{Collect, PIECE, Pull};
+use crate::spheres::Seats;
+use crate::sums::{Collect, PIECE, Pull, Seated};
 use crate::threads::cut;
-use crate::world::{BodyYield, Make, Members, World};
+use crate::world::{BodyYield, Make, World};
 
 /// What is done with the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub(crate) enum Halves {
 /// What is the same for all bodies in a kick.
 pub(crate) struct Kick<'a, M> {
     pub(crate) make: &'a Make<M>,
-    pub(crate) members: &'a Members,
+    pub(crate) seats: Seats<'a>,
     pub(crate) collect: Collect<'a>,
     pub(crate) gravity: DVec3,
     pub(crate) gravity_rate: DVec3,
@@ -66,6 +67,8 @@ pub(crate) struct Piece<'a, M, I> {
     pub(crate) kick: Option<&'a Kick<'a, M>>,
     pub(crate) drift: Option<&'a Drift<'a>>,
     pub(crate) run: Run<'a>,
+    /// Centres of the spheres of these bodies, if some are clumps.
+    pub(crate) spheres: &'a [Record],
     /// What acts on them, or zero; zero when they are done.
     pub(crate) sums: &'a mut [Pull],
 }
@@ -90,7 +93,13 @@ impl<M, I: Integrator> RecordWork for Piece<'_, M, I> {
             return (flow, farthest);
         }
         if let Some(kick) = self.kick {
-            kick.bodies::<Q, I>(&self.integrator, &mut self.run, self.sums, &mut flow);
+            kick.bodies::<Q, I>(
+                &self.integrator,
+                &mut self.run,
+                self.spheres,
+                self.sums,
+                &mut flow,
+            );
         }
         let farthest = match self.drift {
             Some(drift) => drift.bodies::<Q, I>(&self.integrator, &mut self.run),
@@ -106,7 +115,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (integrator, level) = (self.integrator, self.make.level);
         let (kicks, drifts) =
             (halves != Halves::Drift, matches!(halves, Halves::Drift | Halves::KickAndDrift));
-        let w = &self.scratch.wrenches;
+        let (w, members) = (&self.scratch.wrenches, &self.state.members);
+        let seats = members.seats();
         let collect = Collect {
             pairs: Some((
                 &self.state.pairs,
@@ -118,7 +128,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         };
         let kick = Kick {
             make: &self.make,
-            members: &self.state.members,
+            seats,
             collect,
             gravity: self.make.gravity.at(self.time()),
             gravity_rate: self.gravity_rate(),
@@ -150,7 +160,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 let run = whole.some(range.clone());
                 let kick = kicks.then_some(&kick);
                 let drift = drifts.then_some(&drift);
-                let piece = Piece { integrator, kick, drift, run, sums: &mut sums[..range.len()] };
+                let spheres = members.of_bodies(run.begin..run.begin + range.len());
+                let sums = &mut sums[..range.len()];
+                let piece = Piece { integrator, kick, drift, run, spheres, sums };
                 let (flow, farthest) = on_records(level, piece);
                 result.flow.add(&flow);
                 result.moved_far |= farthest.too_far;
@@ -182,6 +194,7 @@ impl<M> Kick<'_, M> {
         &self,
         integrator: &I,
         run: &mut Run<'_>,
+        spheres: &[Record],
         sums: &mut [Pull],
         flow: &mut Flow,
     ) {
@@ -189,7 +202,8 @@ impl<M> Kick<'_, M> {
         if self.make.shapes.is_empty() {
             self.collect.spheres(begin, end, sums);
         } else {
-            self.collect.bodies(self.members, begin, end, sums);
+            let of = Seated { seats: self.seats, centres: run.position, spheres };
+            self.collect.bodies(begin, end, of, sums);
         }
         let dt = self.dt;
         let gravity = Q::load(&Record::new(self.gravity, 0.0));

@@ -295,7 +295,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         });
         let state = self.bodies(&domain)?;
         let radii = || {
-            let members = state.members.arm.iter().map(|a| a.w);
+            let members = state.members.position.iter().map(|p| p.w);
             let singles = state.bodies.position.iter().map(|p| p.w);
             if self.shapes.is_empty() {
                 Box::new(singles) as Box<dyn Iterator<Item = f64>>
@@ -437,8 +437,8 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                     let moment = 0.4 * mass * s.radius * s.radius;
                     if clumps {
                         let m = &mut state.members;
-                        m.first_id.push(m.arm.len() as u32);
-                        m.arm.push(Record { w: s.radius, ..Record::default() });
+                        m.first_id.push(m.position.len() as u32);
+                        m.position.push(Record { w: s.radius, ..Record::default() });
                         m.shape.push(SPHERE);
                         m.attitude.push(glam::DQuat::IDENTITY);
                     }
@@ -462,10 +462,10 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                         });
                     }
                     let m = &mut state.members;
-                    m.first_id.push(m.arm.len() as u32);
+                    m.first_id.push(m.position.len() as u32);
                     m.shape.push(c.shape as u32);
                     m.attitude.push((c.orientation.normalize() * shape.principal).normalize());
-                    m.arm.extend(
+                    m.position.extend(
                         shape.spheres.iter().map(|s| Record { w: s.radius, ..Record::default() }),
                     );
                     let b = &mut state.bodies;
@@ -529,7 +529,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             b.position.iter().enumerate().for_each(|(k, p)| see(k, p.w));
         } else {
             let m = &state.members;
-            m.arm.iter().zip(&m.body).for_each(|(arm, &body)| see(body as usize, arm.w));
+            m.position.iter().zip(&m.body).for_each(|(p, &body)| see(body as usize, p.w));
         }
         smallest
     }

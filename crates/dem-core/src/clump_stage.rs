@@ -1,77 +1,167 @@
 //! The stages of clumps: their turns, their spins, and where their spheres are.
 
+use glam::DQuat;
+
+use crate::body_run::{Run, cut_bodies};
 use crate::body_stage::Farthest;
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::CHUNK;
 use crate::integrate::Integrator;
-use crate::rigid::spin_of;
-use crate::simd::{OnBodies as _, Placing, Since, Turning};
+use crate::particles::Record;
+use crate::rigid::{Clump, spin_of};
+use crate::simd::{Level, OnBodies as _, Placing, Since, Turning};
 use crate::sums::PIECE;
 use crate::threads::{cut, cut_groups};
 use crate::world::{BodyYield, SPHERE, World};
 
+/// What is the same for all clumps that turn.
+#[derive(Clone, Copy)]
+pub(crate) struct Turns<'a> {
+    pub(crate) shapes: &'a [Clump],
+    /// Shape of each body.
+    pub(crate) shape: &'a [u32],
+    pub(crate) first: &'a [u32],
+    /// Positions and attitudes when the list was made.
+    reference: &'a [Record],
+    attitude: &'a [DQuat],
+    /// How far the frame of the list has turned since: columns of the rotation and the translation, and the rotation.
+    frame: [Record; 4],
+    turn: DQuat,
+    /// Square of the displacement that calls for a list, m2.
+    limit: f64,
+    dt: f64,
+    level: Level,
+}
+
+/// Attitudes of some bodies, their spins foretold for the end of a step, and where their spheres are.
+pub(crate) type Turned<'a> = (&'a mut [DQuat], &'a mut [Record], &'a mut [Record]);
+
+impl Turns<'_> {
+    /// Turn a run of bodies freely, their centres having moved already; returns how far their spheres have moved.
+    pub(crate) fn turn(
+        &self,
+        run: &mut Run<'_>,
+        attitude: &mut [DQuat],
+        end_spin: &mut [Record],
+    ) -> Farthest {
+        let own = run.begin..run.begin + attitude.len();
+        let since = Since {
+            position: run.position,
+            reference: &self.reference[own.clone()],
+            attitude: &self.attitude[own.clone()],
+            frame: &self.frame,
+            turn: self.turn,
+            limit: self.limit,
+        };
+        let mut farthest = Farthest::default();
+        let turning = Turning {
+            shapes: self.shapes,
+            shape: &self.shape[own],
+            torque: run.angular,
+            attitude,
+            mean_spin: run.mean_spin,
+            end_spin,
+            momentum: run.turn,
+            dt: self.dt,
+            since,
+            farthest: &mut farthest,
+        };
+        turning.run(self.level);
+        farthest
+    }
+
+    /// Turn a run of bodies and put their spheres in their places.
+    pub(crate) fn turn_and_place(
+        &self,
+        run: &mut Run<'_>,
+        (attitude, end_spin, spheres): Turned<'_>,
+    ) -> Farthest {
+        if self.shapes.is_empty() {
+            return Farthest::default();
+        }
+        let farthest = self.turn(run, attitude, end_spin);
+        let own = run.begin..run.begin + attitude.len();
+        let placing = Placing {
+            shapes: self.shapes,
+            shape: &self.shape[own.clone()],
+            attitude,
+            centre: run.position,
+            first: &self.first[own.start..=own.end],
+            position: spheres,
+        };
+        placing.run(self.level);
+        farthest
+    }
+
+    /// Turn a run of bodies back by what they have turned last, to rounding.
+    pub(crate) fn undo(&self, run: &mut Run<'_>, attitude: &mut [DQuat]) {
+        let dt = self.dt;
+        for (k, q) in attitude.iter_mut().enumerate() {
+            if self.shape[run.begin + k] == SPHERE {
+                continue;
+            }
+            let half = run.mean_spin[k].vector() * (-0.5 * dt);
+            *q = (DQuat::from_xyzw(half.x, half.y, half.z, 1.0) * *q).normalize();
+            let momentum = run.turn[k].vector() - run.angular[k].vector() * (0.5 * dt);
+            run.turn[k].set(momentum);
+        }
+    }
+}
+
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
+    /// What is the same for all clumps that turn after the present step, whose shapes and first spheres are given.
+    pub(crate) fn turns<'a>(&'a self, shape: &'a [u32], first: &'a [u32]) -> Turns<'a> {
+        let (make, list) = (&self.make, &self.state.list);
+        let turn = self.turn_since_list((self.state.step + 1) as f64 * make.dt);
+        Turns {
+            shapes: &make.shapes,
+            shape,
+            first,
+            reference: &list.reference,
+            attitude: &list.attitude,
+            frame: turn.columns(),
+            turn: turn.quaternion(),
+            limit: (0.5 * make.skin).powi(2),
+            dt: make.dt,
+            level: make.level,
+        }
+    }
+
     /// Turn the clumps freely between two kicks, their centres having moved already; returns whether after that the list may miss
     /// a pair of their spheres.
     pub(crate) fn turn_clumps(&mut self) -> bool {
         if !self.has_clumps() {
             return false;
         }
-        let turn = self.turn_since_list((self.state.step + 1) as f64 * self.make.dt);
-        let (frame, turn) = (turn.columns(), turn.quaternion());
-        let (dt, level, shapes) = (self.make.dt, self.make.level, &self.make.shapes);
-        let limit = (0.5 * self.make.skin).powi(2);
-        let (b, m, list) = (&mut self.state.bodies, &mut self.state.members, &self.state.list);
-        let (torque, shape, position) = (&b.angular_acceleration, &m.shape, &b.position);
-        let (yields, moved) = (&mut self.scratch.body_yield, &mut self.scratch.moved);
-        moved.cover(position.len());
-        let count = shape.len().div_ceil(CHUNK);
-        yields.resize(count, BodyYield::default());
+        let mut bodies = std::mem::take(&mut self.state.bodies);
+        let mut attitude = std::mem::take(&mut self.state.members.attitude);
+        let mut end_spin = std::mem::take(&mut self.state.members.end_spin);
+        let mut s = std::mem::take(&mut self.scratch);
+        s.moved.cover(bodies.len());
+        let count = bodies.len().div_ceil(CHUNK);
+        s.body_yield.resize(count, BodyYield::default());
+        let turns = self.turns(&self.state.members.shape, &self.state.members.first);
         let parts = (
-            cut(&mut m.attitude, CHUNK),
-            cut(&mut b.mean_spin, CHUNK),
-            cut(&mut m.end_spin, CHUNK),
-            cut(&mut b.angular_memory, CHUNK),
-            cut(&mut moved.square, CHUNK / PIECE),
-            cut(yields, 1),
+            cut_bodies(&mut bodies, CHUNK),
+            (cut(&mut attitude, CHUNK), cut(&mut end_spin, CHUNK)),
+            (cut(&mut s.moved.square, CHUNK / PIECE), cut(&mut s.body_yield, 1)),
         );
-        self.team.each(
-            count,
-            parts,
-            |c, (attitude, mean_spin, end_spin, momentum, moved, yields)| {
-                yields[0].moved_far = false;
-                let whole = attitude.len();
-                for (begin, square) in (0..whole).step_by(PIECE).zip(moved) {
-                    let piece = begin..(begin + PIECE).min(whole);
-                    let own = c * CHUNK + piece.start..c * CHUNK + piece.end;
-                    let since = Since {
-                        position: &position[own.clone()],
-                        reference: &list.reference[own.clone()],
-                        attitude: &list.attitude[own.clone()],
-                        frame: &frame,
-                        turn,
-                        limit,
-                    };
-                    let mut farthest = Farthest::default();
-                    let turning = Turning {
-                        shapes,
-                        shape: &shape[own.clone()],
-                        torque: &torque[own],
-                        attitude: &mut attitude[piece.clone()],
-                        mean_spin: &mut mean_spin[piece.clone()],
-                        end_spin: &mut end_spin[piece.clone()],
-                        momentum: &mut momentum[piece],
-                        dt,
-                        since,
-                        farthest: &mut farthest,
-                    };
-                    turning.run(level);
-                    yields[0].moved_far |= farthest.too_far;
-                    *square = square.max(farthest.square);
-                }
-            },
-        );
-        self.scratch.body_yield.iter().any(|y| y.moved_far)
+        self.team.each(count, parts, |c, (columns, (attitude, end_spin), (moved, yields))| {
+            let mut whole = Run::of(c * CHUNK, columns);
+            let count = whole.count();
+            yields[0].moved_far = false;
+            for (begin, moved) in (0..count).step_by(PIECE).zip(moved) {
+                let own = begin..(begin + PIECE).min(count);
+                let (attitude, end_spin) = (&mut attitude[own.clone()], &mut end_spin[own.clone()]);
+                let farthest = turns.turn(&mut whole.some(own), attitude, end_spin);
+                yields[0].moved_far |= farthest.too_far;
+                *moved = moved.max(farthest.square);
+            }
+        });
+        let moved_far = s.body_yield.iter().any(|y| y.moved_far);
+        (self.state.bodies, self.scratch) = (bodies, s);
+        (self.state.members.attitude, self.state.members.end_spin) = (attitude, end_spin);
+        moved_far
     }
 
     /// Bring the spins of clumps up to their angular momentum: steps need none.
@@ -92,10 +182,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (level, shapes) = (self.make.level, &self.make.shapes);
         let (b, m) = (&self.state.bodies, &mut self.state.members);
         let (first, attitude, shape) = (&m.first, &m.attitude, &m.shape);
-        let parts =
-            (cut_groups(&mut m.arm, first, CHUNK), cut_groups(&mut m.position, first, CHUNK));
         let count = b.len().div_ceil(CHUNK);
-        self.team.each(count, parts, |c, (arm, position)| {
+        self.team.each(count, cut_groups(&mut m.position, first, CHUNK), |c, position| {
             let own = c * CHUNK..((c + 1) * CHUNK).min(b.len());
             let placing = Placing {
                 shapes,
@@ -103,7 +191,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 attitude: &attitude[own.clone()],
                 centre: &b.position[own.clone()],
                 first: &first[own.start..=own.end],
-                arm,
                 position,
             };
             placing.run(level);

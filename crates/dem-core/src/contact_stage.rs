@@ -143,6 +143,7 @@ pub(crate) fn touching_pairs<M: ContactLaw>(
     for k in 0..pairs {
         let (a, b) = (first[k], second[k]);
         let wrench = context.pair(a, b, k, &mut active[k], &mut memory, into).unwrap_or_default();
+        let wrench = context.spheres.about_bodies(a, b, wrench);
         match &mut wrenches {
             Wrenches::Kept([force, torque_first, torque_second]) => {
                 force[k].set(wrench.force);
@@ -150,11 +151,11 @@ pub(crate) fn touching_pairs<M: ContactLaw>(
                 torque_second[k].set(wrench.torque_on_second);
             }
             Wrenches::Summed(sums) => {
-                let within = sums.len() - 1;
-                let sum = &mut sums[a as usize & within];
+                let (s, within) = (&context.spheres, sums.len() - 1);
+                let sum = &mut sums[s.body(a as usize) & within];
                 sum.force.add(wrench.force);
                 sum.torque.add(wrench.torque_on_first);
-                let sum = &mut sums[b as usize & within];
+                let sum = &mut sums[s.body(b as usize) & within];
                 sum.force.add(-wrench.force);
                 sum.torque.add(wrench.torque_on_second);
             }

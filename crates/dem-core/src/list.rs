@@ -68,7 +68,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         let new_place = sorted.then_some(&s.new_sphere_place[..]);
-        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, new_place);
+        let seats = state.members.seats();
+        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, new_place, seats);
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         state.list.reference.clone_from(&state.bodies.position);
@@ -273,14 +274,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         m.first.clear();
         m.id.clear();
         m.body.clear();
-        m.arm.clear();
+        m.position.clear();
         for body in 0..b.len() {
             m.first.push(m.id.len() as u32);
             let first_id = m.first_id[b.id[body] as usize];
             let mut push = |nth: u32, radius: f64| {
                 m.id.push(first_id + nth);
                 m.body.push(body as u32);
-                m.arm.push(Record { w: radius, ..Record::default() });
+                m.position.push(Record { w: radius, ..Record::default() });
             };
             match m.shape[body] {
                 SPHERE => push(0, b.position[body].w),
@@ -292,7 +293,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         m.first.push(m.id.len() as u32);
-        m.position.resize(m.id.len(), Record::default());
         m.end_spin.resize(b.len(), Record::default());
     }
 

@@ -11,7 +11,8 @@
 //! until all strips are done: the wrenches on them are kept, and a last stage finishes them.
 
 use crate::body_run::{Columns, Run, SPIN, cut_bodies};
-use crate::body_stage::{Drift, Kick, Piece};
+use crate::body_stage::{Drift, Farthest, Kick, Piece};
+use crate::clump_stage::{Turned, Turns};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::{CHUNK, Touching, all_contacts, touching_pairs};
 use crate::error::Error;
@@ -20,16 +21,24 @@ use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::particles::Record;
 use crate::simd::{Level, PairKernel, Wrenches, fetch, on_records, widened};
-use crate::spheres::SphereView;
+use crate::spheres::{ClumpView, SphereView};
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
 use crate::sums::{Collect, PIECE, Pull, Ring};
-use crate::threads::{Cut, InTurn, Runs, View, chosen, cut};
+use crate::threads::{Chunks, Cut, Groups, InTurn, Runs, View, chosen, cut, cut_groups};
 use crate::world::{BodyYield, Kept, Scratch, StripYield, World, sphere_view};
 
 /// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
 pub(crate) type Chunk<'a> =
     (&'a mut [u8], &'a mut [f64], [&'a mut [Record]; 3], &'a mut [ChunkYield]);
+
+/// One piece of bodies: their columns, how far they have moved, what clumps have besides.
+pub(crate) type OfBodies<'a> = (Columns<'a>, &'a mut [f64], Turned<'a>);
+
+/// Pieces of bodies that have nothing besides.
+pub(crate) fn no_clumps<'a>() -> (Chunks<'a, glam::DQuat>, Chunks<'a, Record>, Groups<'a, Record>) {
+    (cut(&mut [], PIECE), cut(&mut [], PIECE), cut_groups(&mut [], &[], PIECE))
+}
 
 /// What is the same for all strips.
 pub(crate) struct Pass<'a, M, I> {
@@ -42,6 +51,7 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) bodies: usize,
     pub(crate) kick: &'a Kick<'a, M>,
     pub(crate) drift: &'a Drift<'a>,
+    pub(crate) turns: &'a Turns<'a>,
     /// Spins and places when the list was made, of a bed that no cache holds.
     pub(crate) far: Option<[View<'a, Record>; 2]>,
 }
@@ -65,15 +75,16 @@ pub(crate) struct Gone {
 const AHEAD: usize = 192;
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
-    /// Whether a step goes in one pass: where every body is one sphere and nobody books energies, and the
-    /// threads find strips that keep out of each other's way.
+    /// Whether a step goes in one pass: where nobody books energies, and the threads find strips that keep out of each
+    /// other's way.
     pub(crate) fn goes_in_one_pass(&mut self) -> bool {
-        if self.ledger_wanted || self.has_clumps() {
+        if self.ledger_wanted {
             return false;
         }
         let strips = &mut self.scratch.strips;
         if !strips.are_cut() {
-            strips.cut(&self.state.pairs, self.state.bodies.len(), self.team.threads());
+            let seats = self.state.members.seats();
+            strips.cut(&self.state.pairs, self.state.bodies.len(), self.team.threads(), seats);
         }
         strips.pay()
     }
@@ -88,9 +99,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut s = std::mem::take(&mut self.scratch);
         let placed = std::mem::take(&mut s.placed);
         let strips = std::mem::take(&mut s.strips);
-        let (make, members, level) = (&self.make, &self.state.members, self.make.level);
+        let clumps = self.has_clumps();
+        let (make, level) = (&self.make, self.make.level);
         {
-            let spheres = sphere_view(&bodies, members, false, dt);
+            let spheres = sphere_view(&bodies, &self.state.members, clumps, dt);
             let context = contacts_of(make, spheres, &placed, dt, false);
             let kernel = kernel_of(make, spheres, dt, false);
             let vector = kernel.as_ref().map(|kernel| (level, kernel));
@@ -102,12 +114,17 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.rings.resize_with(strips.count(), Ring::default);
         s.strip_yield.resize(strips.count(), StripYield::default());
         s.rings.iter_mut().for_each(|ring| ring.cover(pairs.window, bodies.len()));
+        let mut members = std::mem::take(&mut self.state.members);
+        let mut attitude = std::mem::take(&mut members.attitude);
+        let mut end_spin = std::mem::take(&mut members.end_spin);
+        let mut positions = std::mem::take(&mut members.position);
+        let (seats, turns) = (members.seats(), self.turns(&members.shape, &members.first));
         let mut kept = s.wrenches.touching().map(std::mem::take);
         let collect =
             Collect { pairs: None, walls: &walls, w: &s.wrenches, late_ends: &s.late_ends };
         let mut kick = Kick {
             make,
-            members,
+            seats,
             collect,
             gravity: make.gravity.at(self.time()),
             gravity_rate: self.gravity_rate(),
@@ -125,7 +142,19 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         {
             let count = bodies.len();
             let cut_columns = cut_bodies(&mut bodies, PIECE);
-            let spheres = SphereView::of_columns(&cut_columns);
+            let of_clumps = (
+                cut(&mut attitude, PIECE),
+                cut(&mut end_spin, PIECE),
+                cut_groups(&mut positions, &members.first, PIECE),
+            );
+            let spheres = SphereView::of_columns(
+                &cut_columns,
+                clumps.then(|| {
+                    let (centre, end_spin) = (cut_columns[0].view(), of_clumps.1.view());
+                    let view = ClumpView { body: &members.body, centre, end_spin, dt };
+                    (of_clumps.2.view(), view)
+                }),
+            );
             let spins = cut_columns[SPIN].view();
             let kernel = kernel_of(make, spheres, dt, false);
             let pass = Pass {
@@ -138,7 +167,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 bodies: count,
                 kick: &kick,
                 drift: &drift,
-                far: (count > make.far).then(|| [spins, drift.reference.into()]),
+                turns: &turns,
+                far: (count > make.far && !clumps).then(|| [spins, drift.reference.into()]),
             };
             let near_begin = pairs.near_begin;
             let mut chunks = (
@@ -147,7 +177,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kept.each_mut().map(|wrenches| cut(wrenches, CHUNK)),
                 cut(&mut s.pair_yield, 1),
             );
-            let mut pieces = (cut_columns, cut(&mut s.moved.square, 1));
+            let mut pieces = (cut_columns, cut(&mut s.moved.square, 1), of_clumps);
             let parts = (
                 Runs::new(&mut pieces, &strips.pieces),
                 Runs::new(&mut chunks, &strips.chunks),
@@ -164,27 +194,32 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         kick.collect.pairs = Some((&pairs, kept.each_ref().map(|wrenches| &wrenches[..])));
         let deferred = &strips.deferred;
         s.body_yield.resize(deferred.len(), BodyYield::default());
-        let pieces = (cut_bodies(&mut bodies, PIECE), cut(&mut s.moved.square, 1));
+        let of_clumps = (
+            cut(&mut attitude, PIECE),
+            cut(&mut end_spin, PIECE),
+            cut_groups(&mut positions, &members.first, PIECE),
+        );
+        let pieces = (cut_bodies(&mut bodies, PIECE), cut(&mut s.moved.square, 1), of_clumps);
         let parts = (chosen(pieces, deferred), cut(&mut s.body_yield, 1));
-        self.team.each(deferred.len(), parts, |k, ((columns, moved), result)| {
-            let run = Run::of(deferred[k] as usize * PIECE, columns);
-            let (mut sums, count) = ([Pull::ZERO; PIECE], run.count());
-            let (kick, drift) = (Some(&kick), (!deep).then_some(&drift));
-            let piece = Piece { integrator, kick, drift, run, sums: &mut sums[..count] };
-            let (_, farthest) = on_records(level, piece);
-            result[0].moved_far = farthest.too_far;
-            moved[0] = moved[0].max(farthest.square);
+        self.team.each(deferred.len(), parts, |k, (of, result)| {
+            let (mut sums, count) = ([Pull::ZERO; PIECE], of.0[0].len());
+            let drift = (!deep).then_some(&drift);
+            let finish = Finish { integrator, kick: &kick, drift, turns: &turns, level };
+            let begin = deferred[k] as usize * PIECE;
+            result[0].moved_far = finish.piece(begin, of, &mut sums[..count]).too_far;
         });
         moved_far |= s.body_yield.iter().any(|y| y.moved_far);
         if deep {
             // A fault leaves bodies where they were when it was found.
-            let columns = cut_bodies(&mut bodies, PIECE);
+            let columns = (cut_bodies(&mut bodies, PIECE), cut(&mut attitude, PIECE));
             let moved: Vec<_> = strips.moved(&s.strip_yield).collect();
             let parts = chosen(columns, &moved);
-            self.team.each(moved.len(), parts, |_, columns| {
-                let mut run = Run::of(0, columns);
+            self.team.each(moved.len(), parts, |k, (columns, attitude)| {
+                let mut run = Run::of(moved[k] as usize * PIECE, columns);
                 run.undo_drift(dt);
-                if I::FROM_MEAN {
+                if clumps {
+                    turns.undo(&mut run, attitude);
+                } else if I::FROM_MEAN {
                     run.recall(dt);
                 }
             });
@@ -193,12 +228,18 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         for (to, kept) in s.wrenches.touching().into_iter().zip(kept) {
             *to = kept;
         }
+        (members.attitude, members.end_spin, members.position) = (attitude, end_spin, positions);
+        self.state.members = members;
+        s.members_placed = !deep;
         s.strips = strips;
         s.placed = placed;
         self.scratch = s;
         self.state.pairs = pairs;
         self.state.wall_list = walls;
         self.state.bodies = bodies;
+        if deep {
+            self.place_members();
+        }
         self.check_overlaps().map(|()| moved_far)
     }
 }
@@ -215,7 +256,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         deep: bool,
     ) -> StripYield
     where
-        B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
+        B: Cut<Part = OfBodies<'b>>,
         C: Cut<Part = Chunk<'b>>,
     {
         let all = chunks.left();
@@ -235,17 +276,17 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         gone: &mut Gone,
         (until, to_its_end): (usize, bool),
     ) where
-        B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
+        B: Cut<Part = OfBodies<'b>>,
         C: Cut<Part = Chunk<'b>>,
     {
         let (pairs, slots) = (self.pairs, self.pairs.slots);
-        let own = bodies.left();
+        let (own, seats) = (bodies.left(), self.kick.seats);
         for chunk in gone.chunk..until + usize::from(to_its_end) {
             let begin = chunk * CHUNK;
             // Spheres before the owner of the next pair have all theirs; behind the last pair all of the strip have,
             // and others that it touched need nothing from here.
             let frontier = if chunk < until {
-                let owner = pairs.owner(begin);
+                let owner = seats.body(pairs.owner(begin));
                 gone.reach = (owner + pairs.window).min(self.bodies);
                 owner / PIECE
             } else {
@@ -270,17 +311,15 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 let sums = ring.piece(begin, PIECE.min(self.bodies - begin));
                 if !own.contains(&gone.piece) || self.strips.waits(gone.piece) {
                     sums.fill(Pull::ZERO);
-                } else if let Some((columns, moved)) = bodies.take(gone.piece) {
-                    let piece = Piece {
+                } else if let Some(of) = bodies.take(gone.piece) {
+                    let finish = Finish {
                         integrator: self.integrator,
-                        kick: Some(self.kick),
+                        kick: self.kick,
                         drift: (!gone.into.deep).then_some(self.drift),
-                        run: Run::of(begin, columns),
-                        sums,
+                        turns: self.turns,
+                        level: self.level,
                     };
-                    let (_, farthest) = on_records(self.level, piece);
-                    gone.into.moved_far |= farthest.too_far;
-                    moved[0] = moved[0].max(farthest.square);
+                    gone.into.moved_far |= finish.piece(begin, of, sums).too_far;
                 }
                 gone.piece += 1;
                 if !gone.into.deep {
@@ -288,7 +327,10 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 }
             }
             let Some((active, numbers, kept, found)) = chunks.take(chunk) else { break };
-            debug_assert!(self.strips.stays_within(strip, pairs, chunk), "others' bodies are read");
+            debug_assert!(
+                self.strips.stays_within(strip, pairs, chunk, seats),
+                "others' bodies are read"
+            );
             let places = begin..begin + active.len();
             let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
             let count = active.len().min(pairs.touching - begin);
@@ -304,7 +346,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 widened(
                     self.level,
                     #[inline(always)]
-                    || ring.add(first, second, kept),
+                    || ring.add(first, second, kept, seats),
                 );
             } else {
                 compute(Wrenches::Summed(ring.slots()));
@@ -313,6 +355,41 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             gone.deepest = deeper(gone.deepest, found[0].deep);
             gone.chunk = chunk + 1;
         }
+    }
+}
+
+/// What finishes bodies of which all forces are known.
+struct Finish<'a, M, I> {
+    integrator: I,
+    kick: &'a Kick<'a, M>,
+    /// Nothing when they stay where they are.
+    drift: Option<&'a Drift<'a>>,
+    turns: &'a Turns<'a>,
+    level: Level,
+}
+
+impl<M, I: Integrator> Finish<'_, M, I> {
+    /// Bring a piece of bodies to the next step, of which `sums` has a part of the forces; returns how far they have moved.
+    #[inline(always)]
+    fn piece(
+        self,
+        begin: usize,
+        (columns, moved, clumps): OfBodies<'_>,
+        sums: &mut [Pull],
+    ) -> Farthest {
+        let mut whole = Run::of(begin, columns);
+        let count = whole.count();
+        let (integrator, kick, drift) = (self.integrator, Some(self.kick), self.drift);
+        let (run, spheres) = (whole.some(0..count), &*clumps.2);
+        let piece = Piece { integrator, kick, drift, run, spheres, sums };
+        let (_, mut farthest) = on_records(self.level, piece);
+        if drift.is_some() {
+            let turned = self.turns.turn_and_place(&mut whole, clumps);
+            farthest.too_far |= turned.too_far;
+            farthest.square = farthest.square.max(turned.square);
+        }
+        moved[0] = moved[0].max(farthest.square);
+        farthest
     }
 }
 

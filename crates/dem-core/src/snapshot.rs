@@ -100,7 +100,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         // A snapshot of a world with another integrator may hold no memory, or one too many.
         let remembered = if I::REMEMBERS { self.state.bodies.len() } else { 0 };
         self.state.bodies.linear_memory.resize(remembered, Record::default());
-        self.state.pairs.sort_by_later();
+        self.state.pairs.sort_by_later(self.state.members.seats());
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.scratch.kept = Kept::All;
         self.scratch.strips.forget();
@@ -229,7 +229,7 @@ impl Snapshot {
         for x in [&mut m.id, &mut m.body, &mut m.first, &mut m.shape, &mut m.first_id] {
             v.visit(x);
         }
-        for x in [&mut m.arm, &mut m.position, &mut m.end_spin] {
+        for x in [&mut m.position, &mut m.end_spin] {
             v.visit(x);
         }
         v.visit(&mut m.attitude);

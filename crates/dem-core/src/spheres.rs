@@ -1,5 +1,6 @@
 //! What contacts know of their spheres: bodies themselves, or members of clumps.
 
+use crate::forces::Wrench;
 use crate::particles::Record;
 use crate::simd::{Numbers, V3};
 use crate::threads::View;
@@ -25,12 +26,33 @@ pub(crate) struct SphereView<'a> {
 pub(crate) struct ClumpView<'a> {
     /// Body of a sphere.
     pub(crate) body: &'a [u32],
-    /// From the body's centre to the sphere's.
-    pub(crate) arm: &'a [Record],
+    /// Centres of the bodies.
+    pub(crate) centre: View<'a, Record>,
     /// Of bodies: angular velocity foretold for now.
-    pub(crate) end_spin: &'a [Record],
+    pub(crate) end_spin: View<'a, Record>,
     /// Step by which bodies have turned, s.
     pub(crate) dt: f64,
+}
+
+/// Which bodies spheres sit on: each on its own, or by places of spheres the bodies and by those of bodies their first spheres.
+#[derive(Clone, Copy)]
+pub(crate) struct Seats<'a>(pub(crate) Option<(&'a [u32], &'a [u32])>);
+
+impl Seats<'_> {
+    /// Every sphere is its own body.
+    pub(crate) const OWN: Self = Self(None);
+
+    /// Body of a sphere.
+    #[inline(always)]
+    pub(crate) fn body(self, sphere: usize) -> usize {
+        self.0.map_or(sphere, |(body, _)| body[sphere] as usize)
+    }
+
+    /// First sphere of a body; behind the last body, how many spheres there are.
+    #[inline(always)]
+    pub(crate) fn first(self, body: usize) -> usize {
+        self.0.map_or(body, |(_, first)| first[body] as usize)
+    }
 }
 
 /// How a sphere moves.
@@ -51,6 +73,29 @@ impl SphereView<'_> {
         self.clumps.map_or(sphere, |c| c.body[sphere] as usize)
     }
 
+    /// From the body's centre to the sphere's.
+    #[inline(always)]
+    fn arm(&self, sphere: usize) -> V3<f64> {
+        let Some(c) = &self.clumps else { return V3::splat(0.0) };
+        let (own, centre) = (&self.position[sphere], &c.centre[c.body[sphere] as usize]);
+        V3::from(own.vector()) - V3::from(centre.vector())
+    }
+
+    /// A wrench between two spheres, with torques about the centres of their bodies.
+    #[inline(always)]
+    pub(crate) fn about_bodies(&self, first: u32, second: u32, wrench: Wrench) -> Wrench {
+        if self.clumps.is_none() {
+            return wrench;
+        }
+        let about = |sphere: u32| self.arm(sphere as usize).cross(wrench.force.into());
+        let [on_first, on_second] = [wrench.torque_on_first, wrench.torque_on_second].map(V3::from);
+        Wrench {
+            torque_on_first: (on_first + about(first)).into(),
+            torque_on_second: (on_second - about(second)).into(),
+            ..wrench
+        }
+    }
+
     /// How a sphere moves.
     #[inline(always)]
     pub(crate) fn motion(&self, sphere: usize) -> SphereMotion {
@@ -65,7 +110,7 @@ impl SphereView<'_> {
         let (mut v, w, mut end) =
             (self.mean_velocity[body], self.mean_spin[body], self.end_velocity[body]);
         let vector = |r: &Record| V3::from(r.vector());
-        let (arm, end_spin) = (vector(&c.arm[sphere]), vector(&c.end_spin[body]));
+        let (arm, end_spin) = (self.arm(sphere), vector(&c.end_spin[body]));
         let [mean, last] = on_arm(arm, [vector(&v), vector(&w)], [vector(&end), end_spin], c.dt);
         v.set(mean.into());
         end.set(last.into());

@@ -60,7 +60,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             made?;
         }
         self.scratch.hold = if asks { self.list_holds() } else { self.scratch.hold - 1 };
-        self.place_members();
+        if !std::mem::take(&mut self.scratch.members_placed) {
+            self.place_members();
+        }
         let steps =
             if more { self.steps_in_a_sweep().min(self.scratch.hold + 1).min(*left) } else { 0 };
         if steps > 1 {

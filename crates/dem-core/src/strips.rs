@@ -8,6 +8,7 @@
 
 use crate::contact_stage::CHUNK;
 use crate::neighbour::verlet_list::PairList;
+use crate::spheres::Seats;
 use crate::sums::PIECE;
 use crate::world::StripYield;
 
@@ -65,19 +66,27 @@ impl Strips {
     }
 
     /// Cut a list of pairs of so many bodies.
-    pub(crate) fn cut(&mut self, pairs: &PairList, bodies: usize, strips: usize) {
-        self.cut_evenly(pairs, bodies, strips, 0);
+    pub(crate) fn cut(&mut self, pairs: &PairList, bodies: usize, strips: usize, seats: Seats<'_>) {
+        self.cut_evenly(pairs, bodies, strips, 0, seats);
         // Deferred bodies lie at the beginning of every strip but the first, and are no work of the strip.
         let later = strips - 1;
         if let Some(each) = (self.deferred.len() * PIECE).checked_div(later) {
-            self.cut_evenly(pairs, bodies, strips, each);
+            self.cut_evenly(pairs, bodies, strips, each, seats);
         }
     }
 
     /// Cut it so that every strip has the same work, if so many bodies of every strip but the first are none.
-    fn cut_evenly(&mut self, pairs: &PairList, bodies: usize, strips: usize, deferred: usize) {
+    fn cut_evenly(
+        &mut self,
+        pairs: &PairList,
+        bodies: usize,
+        strips: usize,
+        deferred: usize,
+        seats: Seats<'_>,
+    ) {
         let (pieces, chunks) = (bodies.div_ceil(PIECE), pairs.touching.div_ceil(CHUNK));
-        let start = |piece: usize| pairs.touching_start[(piece * PIECE).min(bodies)] as usize;
+        let first = |piece: usize| seats.first((piece * PIECE).min(bodies));
+        let start = |piece: usize| pairs.touching_start[first(piece)] as usize;
         let work = |piece: usize| start(piece) + (piece * PIECE).min(bodies);
         let all = work(pieces).saturating_sub((strips - 1) * deferred);
         self.chunks.clear();
@@ -92,11 +101,11 @@ impl Strips {
             self.pieces.push(piece as u32);
             self.chunks.push(chunk.min(chunks) as u32);
         }
-        self.defer(pairs, pieces, chunks);
+        self.defer(pairs, pieces, chunks, seats);
     }
 
     /// See which pieces have to wait and which chunks are kept for them.
-    fn defer(&mut self, pairs: &PairList, pieces: usize, chunks: usize) {
+    fn defer(&mut self, pairs: &PairList, pieces: usize, chunks: usize, seats: Seats<'_>) {
         self.waits.clear();
         self.waits.resize(pieces, false);
         self.deferred.clear();
@@ -104,8 +113,8 @@ impl Strips {
             let own = self.own(strip);
             let chunks = self.chunks[strip] as usize..self.chunks[strip + 1] as usize;
             // Most chunks touch no other strip.
-            for chunk in chunks.filter(|&c| !holds(&own, &touched(pairs, c))) {
-                for piece in ends(pairs, chunk).filter(|piece| !own.contains(piece)) {
+            for chunk in chunks.filter(|&c| !holds(&own, &touched(pairs, c, seats, pieces))) {
+                for piece in ends(pairs, chunk, seats).filter(|piece| !own.contains(piece)) {
                     self.waits[piece] = true;
                 }
             }
@@ -114,7 +123,8 @@ impl Strips {
         self.kept.clear();
         for chunk in 0..chunks {
             let waits = |piece: usize| self.waits.get(piece).copied().unwrap_or_default();
-            let kept = touched(pairs, chunk).any(waits) && ends(pairs, chunk).any(waits);
+            let kept = touched(pairs, chunk, seats, pieces).any(waits)
+                && ends(pairs, chunk, seats).any(waits);
             self.kept.push(kept);
         }
     }
@@ -134,23 +144,38 @@ impl Strips {
     }
 
     /// Whether a chunk of a strip touches nothing but its own bodies and deferred ones.
-    pub(crate) fn stays_within(&self, strip: usize, pairs: &PairList, chunk: usize) -> bool {
+    pub(crate) fn stays_within(
+        &self,
+        strip: usize,
+        pairs: &PairList,
+        chunk: usize,
+        seats: Seats<'_>,
+    ) -> bool {
         let own = self.own(strip);
-        ends(pairs, chunk).all(|piece| own.contains(&piece) || self.waits[piece])
+        ends(pairs, chunk, seats).all(|piece| own.contains(&piece) || self.waits[piece])
     }
 }
 
 /// Pieces between the first and the last that a chunk may touch.
-fn touched(pairs: &PairList, chunk: usize) -> std::ops::Range<usize> {
-    let (first, spheres) = (pairs.owner(chunk * CHUNK), pairs.touching_start.len() - 1);
-    first / PIECE..(first + pairs.window).min(spheres).div_ceil(PIECE)
+fn touched(
+    pairs: &PairList,
+    chunk: usize,
+    seats: Seats<'_>,
+    pieces: usize,
+) -> std::ops::Range<usize> {
+    let first = seats.body(pairs.owner(chunk * CHUNK));
+    first / PIECE..(first + pairs.window).div_ceil(PIECE).min(pieces)
 }
 
 /// Pieces of the spheres of a chunk, padding included.
-pub(crate) fn ends(pairs: &PairList, chunk: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn ends(
+    pairs: &PairList,
+    chunk: usize,
+    seats: Seats<'_>,
+) -> impl Iterator<Item = usize> {
     let own = chunk * CHUNK..((chunk + 1) * CHUNK).min(pairs.near_begin);
     let places = pairs.first[own.clone()].iter().chain(&pairs.second[own]);
-    places.map(|&place| place as usize / PIECE)
+    places.map(move |&place| seats.body(place as usize) / PIECE)
 }
 
 fn holds(outer: &std::ops::Range<usize>, inner: &std::ops::Range<usize>) -> bool {
@@ -174,7 +199,7 @@ mod tests {
             found.push(pair(spheres - 1, 0));
         }
         let mut list = PairList::default();
-        list.fill(spheres as usize, 1, &[found], &PairList::default(), None);
+        list.fill(spheres as usize, 1, &[found], &PairList::default(), None, Seats::OWN);
         list
     }
 
@@ -182,13 +207,13 @@ mod tests {
     fn what_two_strips_touch_is_deferred_and_its_wrenches_are_kept() {
         for (closed, count) in [(false, 1), (false, 2), (false, 5), (true, 3)] {
             let (pairs, mut strips) = (chain(5000, 70, closed), Strips::default());
-            strips.cut(&pairs, 5000, count);
+            strips.cut(&pairs, 5000, count, Seats::OWN);
             assert_eq!(strips.count(), count);
             assert!(strips.pay(), "{} of 79", strips.deferred.len());
             let mut touches = vec![Vec::new(); 5000];
             for strip in 0..count {
                 for chunk in strips.chunks[strip] as usize..strips.chunks[strip + 1] as usize {
-                    assert!(strips.stays_within(strip, &pairs, chunk));
+                    assert!(strips.stays_within(strip, &pairs, chunk, Seats::OWN));
                     for pair in chunk * CHUNK..((chunk + 1) * CHUNK).min(pairs.touching) {
                         for place in [pairs.first[pair], pairs.second[pair]] {
                             touches[place as usize].push((strip, chunk));

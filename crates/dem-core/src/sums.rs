@@ -8,7 +8,8 @@ use crate::forces::Late;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
-use crate::world::{Members, Wrenches};
+use crate::spheres::Seats;
+use crate::world::Wrenches;
 
 /// Spheres whose forces are summed at once.
 pub(crate) const PIECE: usize = 64;
@@ -28,7 +29,7 @@ impl Pull {
 /// Where spheres find the wrenches that act on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Collect<'a> {
-    /// Touching pairs and their wrenches (forces, torques on first and on second spheres), unless they are in the
+    /// Touching pairs and their wrenches (forces, torques on the bodies of first and of second spheres), unless they are in the
     /// sums already.
     pub(crate) pairs: Option<(&'a PairList, [&'a [Record]; 3])>,
     pub(crate) walls: &'a WallList,
@@ -115,17 +116,23 @@ impl Ring {
         &mut self.0
     }
 
-    /// Add wrenches that were kept (forces, torques on first and on second spheres), one pair after the other.
+    /// Add wrenches that were kept (forces, torques on the bodies of first and of second spheres), one pair after the other.
     #[inline(always)]
-    pub(crate) fn add(&mut self, first: &[u32], second: &[u32], wrenches: [&[Record]; 3]) {
+    pub(crate) fn add(
+        &mut self,
+        first: &[u32],
+        second: &[u32],
+        wrenches: [&[Record]; 3],
+        seats: Seats<'_>,
+    ) {
         let within = self.0.len() - 1;
         let [forces, on_first, on_second] = wrenches;
         let torques = on_first.iter().zip(on_second);
         for (((&a, &b), force), (ti, tj)) in first.iter().zip(second).zip(forces).zip(torques) {
-            let sum = &mut self.0[a as usize & within];
+            let sum = &mut self.0[seats.body(a as usize) & within];
             sum.force = sum.force.plus(force);
             sum.torque = sum.torque.plus(ti);
-            let sum = &mut self.0[b as usize & within];
+            let sum = &mut self.0[seats.body(b as usize) & within];
             sum.force = sum.force.minus(force);
             sum.torque = sum.torque.plus(tj);
         }
@@ -138,10 +145,12 @@ impl Ring {
     }
 }
 
-/// Where forces on spheres and torques about their centres go.
+/// Where forces and torques go.
 trait Sink {
-    /// They act on a sphere.
+    /// A force on a sphere, and a torque on its body.
     fn add(&mut self, sphere: u32, force: &Record, torque: &Record);
+    /// A force on a sphere, and a torque about its centre.
+    fn add_about_sphere(&mut self, sphere: u32, force: &Record, torque: &Record);
 }
 
 /// Spheres by themselves.
@@ -159,24 +168,49 @@ impl Sink for BySphere<'_> {
             sum.torque = sum.torque.plus(torque);
         }
     }
+
+    #[inline(always)]
+    fn add_about_sphere(&mut self, sphere: u32, force: &Record, torque: &Record) {
+        self.add(sphere, force, torque);
+    }
+}
+
+/// A run of bodies of several spheres.
+#[derive(Clone, Copy)]
+pub(crate) struct Seated<'a> {
+    pub(crate) seats: Seats<'a>,
+    /// Centres of the bodies of the run, and of their spheres.
+    pub(crate) centres: &'a [Record],
+    pub(crate) spheres: &'a [Record],
 }
 
 /// Bodies of several spheres, with torques about their own centres.
 struct ByBody<'a> {
-    members: &'a Members,
+    of: Seated<'a>,
+    /// The first body, and its first sphere.
     begin: usize,
+    first: usize,
     sums: &'a mut [Pull],
 }
 
 impl Sink for ByBody<'_> {
     #[inline(always)]
     fn add(&mut self, sphere: u32, force: &Record, torque: &Record) {
-        let (m, sphere) = (self.members, sphere as usize);
-        let k = (m.body[sphere] as usize).wrapping_sub(self.begin);
-        let about = Record::new(m.arm[sphere].vector().cross(force.vector()), 0.0);
+        let k = self.of.seats.body(sphere as usize).wrapping_sub(self.begin);
         if let Some(sum) = self.sums.get_mut(k) {
             sum.force = sum.force.plus(force);
-            sum.torque = sum.torque.plus(torque).plus(&about);
+            sum.torque = sum.torque.plus(torque);
+        }
+    }
+
+    #[inline(always)]
+    fn add_about_sphere(&mut self, sphere: u32, force: &Record, torque: &Record) {
+        let k = self.of.seats.body(sphere as usize).wrapping_sub(self.begin);
+        let place = (sphere as usize).wrapping_sub(self.first);
+        if let (Some(at), Some(centre)) = (self.of.spheres.get(place), self.of.centres.get(k)) {
+            let arm = at.vector() - centre.vector();
+            let about = Record::new(arm.cross(force.vector()), 0.0);
+            self.add(sphere, force, &torque.plus(&about));
         }
     }
 }
@@ -191,12 +225,12 @@ impl Collect<'_> {
     /// Forces and torques about their centres on the bodies of several spheres from `begin` to
     /// `end`, at most a piece.
     #[inline(always)]
-    pub(crate) fn bodies(&self, members: &Members, begin: usize, end: usize, sums: &mut [Pull]) {
-        let spheres = members.first[begin] as usize..members.first[end] as usize;
-        self.each(spheres, ByBody { members, begin, sums });
+    pub(crate) fn bodies(&self, begin: usize, end: usize, of: Seated<'_>, sums: &mut [Pull]) {
+        let (first, last) = (of.seats.first(begin), of.seats.first(end));
+        self.each(first..last, ByBody { of, begin, first, sums });
     }
 
-    /// Forces on a run of spheres and torques about their centres, contact by contact.
+    /// Forces on a run of spheres and torques, contact by contact.
     #[inline(always)]
     fn each(&self, spheres: std::ops::Range<usize>, mut to: impl Sink) {
         let (begin, end) = (spheres.start, spheres.end);
@@ -232,13 +266,13 @@ impl Collect<'_> {
                 (late.second, -late.wrench.force, late.wrench.torque_on_second)
             };
             if spheres.contains(&(sphere as usize)) {
-                to.add(sphere, &Record::new(f, 0.0), &Record::new(t, 0.0));
+                to.add_about_sphere(sphere, &Record::new(f, 0.0), &Record::new(t, 0.0));
             }
         }
         let own = self.walls.start[begin] as usize..self.walls.start[end] as usize;
         let wrenches = w.wall_force[own.clone()].iter().zip(&w.wall_torque[own.clone()]);
         for (&a, (f, t)) in self.walls.sphere[own].iter().zip(wrenches) {
-            to.add(a, f, t);
+            to.add_about_sphere(a, f, t);
         }
     }
 }

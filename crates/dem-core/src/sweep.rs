@@ -12,7 +12,7 @@
 //! Everything is computed from the same numbers in the same order as by one pass after the other: the bits are the same.
 //! The list is asked whether it still holds only between sweeps (`World::list_holds`), with any number of threads.
 
-use crate::body_run::{Columns, Run, SPIN, cut_bodies};
+use crate::body_run::{Run, SPIN, cut_bodies};
 use crate::body_stage::{Drift, Kick};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::CHUNK;
@@ -21,9 +21,9 @@ use crate::forces::deeper;
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
-use crate::one_pass::{Chunk, Pass};
+use crate::one_pass::{OfBodies, no_clumps, Chunk, Pass};
 use crate::particles::{Bodies, Record};
-use crate::spheres::SphereView;
+use crate::spheres::{Seats, SphereView};
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::{Strips, ends};
 use crate::sums::{Collect, PIECE, Ring};
@@ -76,7 +76,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         let (s, pairs) = (&mut self.scratch, &self.state.pairs);
         if !s.whole.are_cut() {
-            s.whole.cut(pairs, bodies, 1);
+            s.whole.cut(pairs, bodies, 1, Seats::OWN);
             s.near_window = pairs.near_window();
         }
         let tier = pairs.window.max(s.near_window) + station(bodies);
@@ -234,7 +234,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let of_pieces = starts(tiers, |tier| tier.gone.piece, count.div_ceil(PIECE));
         let of_chunks = starts(tiers, |tier| tier.gone.chunk, chunks);
         let columns = cut_bodies(bed.bodies, PIECE);
-        let (spheres, spins) = (SphereView::of_columns(&columns), columns[SPIN].view());
+        let (spheres, spins) = (SphereView::of_columns(&columns, None), columns[SPIN].view());
         let mut none: [[Record; 0]; 3] = [[]; 3];
         let mut to_do = (
             cut(&mut bed.of_pairs.0[..begin], CHUNK),
@@ -242,7 +242,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             none.each_mut().map(|none| cut(&mut none[..], CHUNK)),
             cut(&mut s.pair_yield, 1),
         );
-        let mut pieces = (columns, cut(&mut s.moved.square, 1));
+        let mut pieces = (columns, cut(&mut s.moved.square, 1), no_clumps());
         let (walls, strips) = (bed.walls, &s.whole);
         let parts = (
             Runs::new(&mut pieces, &of_pieces[..=steps]),
@@ -265,7 +265,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
             debug_assert!(
                 (tier.gone.chunk..until)
-                    .flat_map(|c| ends(pairs, c))
+                    .flat_map(|c| ends(pairs, c, Seats::OWN))
                     .all(|p| bodies.left().contains(&p)),
                 "others' bodies are read"
             );
@@ -295,14 +295,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         mut chunks: InTurn<'_, C>,
         until: (usize, bool),
     ) where
-        B: Cut<Part = (Columns<'b>, &'b mut [f64])>,
+        B: Cut<Part = OfBodies<'b>>,
         C: Cut<Part = Chunk<'b>>,
     {
-        let (make, members) = (&self.make, &self.state.members);
+        let make = &self.make;
         let (dt, level) = (make.dt, make.level);
         let kick = Kick {
             make,
-            members,
+            seats: Seats::OWN,
             collect: Collect { pairs: None, walls, w: &tier.wrenches, late_ends: &tier.late_ends },
             gravity: make.gravity.at(tier.step as f64 * dt),
             // Nobody books energies here.
@@ -327,6 +327,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             bodies: spheres.position.len(),
             kick: &kick,
             drift: &drift,
+            turns: &self.turns(&[], &[]),
             far: far.map(|spins| [spins, drift.reference.into()]),
         };
         pass.go(0, &mut bodies, &mut chunks, &mut tier.ring, &mut tier.gone, until);

@@ -20,7 +20,7 @@ use crate::neighbour::verlet_list::{Found, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::{Bodies, ParticleId, Record};
 use crate::rigid::Clump;
-use crate::spheres::{ClumpView, SphereView};
+use crate::spheres::{Seats, ClumpView, SphereView};
 use crate::strips::Strips;
 use crate::sums::{LateEnds, Ring};
 use crate::threads::Team;
@@ -71,8 +71,7 @@ pub(crate) struct Members {
     pub(crate) body: Vec<u32>,
     /// First sphere of each body; one more than bodies.
     pub(crate) first: Vec<u32>,
-    /// From the body's centre to the sphere's, laboratory frame; the radius.
-    pub(crate) arm: Vec<Record>,
+    /// Centres of the spheres; the radius.
     pub(crate) position: Vec<Record>,
     /// Angular velocity foretold for the end of the step, of each body.
     pub(crate) end_spin: Vec<Record>,
@@ -82,6 +81,22 @@ pub(crate) struct Members {
     pub(crate) attitude: Vec<DQuat>,
     /// Name of the first sphere of each body, by the body's name.
     pub(crate) first_id: Vec<u32>,
+}
+
+impl Members {
+    /// Which bodies their spheres sit on.
+    pub(crate) fn seats(&self) -> Seats<'_> {
+        let clumps = !self.body.is_empty();
+        Seats(clumps.then_some((&self.body[..], &self.first[..])))
+    }
+
+    /// Centres of the spheres of some bodies, where there are clumps.
+    pub(crate) fn of_bodies(&self, bodies: std::ops::Range<usize>) -> &[Record] {
+        match self.seats() {
+            Seats(None) => &[],
+            seats => &self.position[seats.first(bodies.start)..seats.first(bodies.end)],
+        }
+    }
 }
 
 /// Shape number of a single sphere.
@@ -163,6 +178,8 @@ pub(crate) struct Scratch {
     /// Displacements since the list was made.
     pub(crate) moved: Moved,
     pub(crate) old_walls: WallList,
+    /// Whether the spheres of clumps are where their bodies have gone for the next step.
+    pub(crate) members_placed: bool,
     /// Walls in reach of a clump.
     pub(crate) walls_in_reach: Vec<usize>,
     pub(crate) order: Vec<u32>,
@@ -558,7 +575,8 @@ pub(crate) fn sphere_view<'a>(
     clumps: bool,
     dt: f64,
 ) -> SphereView<'a> {
-    let view = ClumpView { body: &m.body, arm: &m.arm, end_spin: &m.end_spin, dt };
+    let (centre, end_spin) = (b.position[..].into(), m.end_spin[..].into());
+    let view = ClumpView { body: &m.body, centre, end_spin, dt };
     SphereView {
         position: if clumps { m.position[..].into() } else { b.position[..].into() },
         mean_velocity: b.mean_velocity[..].into(),

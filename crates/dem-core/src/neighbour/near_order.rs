@@ -202,6 +202,7 @@ impl NearChunk {
 mod tests {
     use super::*;
     use crate::neighbour::verlet_list::Found;
+    use crate::spheres::Seats;
 
     #[test]
     fn every_pair_that_may_have_closed_is_looked_at_and_most_others_are_not() {
@@ -218,7 +219,7 @@ mod tests {
             range * (f64::from(a.wrapping_mul(2654435761) ^ b.wrapping_mul(40503)) / 4294967296.0)
         };
         let mut pairs = PairList::default();
-        pairs.fill(bodies as usize, 1, &[near], &PairList::default(), None);
+        pairs.fill(bodies as usize, 1, &[near], &PairList::default(), None, Seats::OWN);
         let count = pairs.near().len();
         assert_ne!(count % LANES, 0, "the last block is to be padded");
         let mut order = NearOrder::default();

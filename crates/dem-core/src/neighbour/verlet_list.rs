@@ -9,6 +9,7 @@
 //! them.
 
 use crate::contact_stage::CHUNK;
+use crate::spheres::Seats;
 
 /// Pairs in one block of the list.
 pub(crate) const LANES: usize = 8;
@@ -50,11 +51,11 @@ pub(crate) struct PairList {
     /// First touching, first near pair that each sphere owns.
     pub(crate) touching_start: Vec<u32>,
     pub(crate) near_start: Vec<u32>,
-    /// Touching pairs by their later sphere, and where those of each sphere begin: the pair, twice,
-    /// plus one where that sphere is its second, and the sphere.
+    /// Touching pairs by the body of their later sphere, and where those of each body's first sphere begin: the pair, twice,
+    /// plus one where the later sphere is its second, and that sphere.
     pub(crate) later_start: Vec<u32>,
     pub(crate) by_later: Vec<[u32; 2]>,
-    /// Most places from the owner of the first pair of a chunk to any sphere in the chunk, both included.
+    /// Most bodies from that of the owner of the first pair of a chunk to that of any sphere in the chunk, both included.
     pub(crate) window: usize,
 }
 
@@ -98,6 +99,7 @@ impl PairList {
         found: &[Vec<Found>],
         old: &PairList,
         new_place: Option<&[u32]>,
+        seats: Seats<'_>,
     ) {
         self.slots = slots;
         for start in [&mut self.touching_start, &mut self.near_start] {
@@ -132,7 +134,7 @@ impl PairList {
                 places[touching..self.near_begin].fill(place);
             }
         }
-        self.sort_by_later();
+        self.sort_by_later(seats);
         self.active.clear();
         self.active.resize(total, 0);
         self.memory.clear();
@@ -140,27 +142,27 @@ impl PairList {
         self.take_over(spheres, old, new_place);
     }
 
-    /// Sort the touching pairs by their later sphere, those of one sphere as in the list.
-    pub(crate) fn sort_by_later(&mut self) {
+    /// Sort the touching pairs by the body of their later sphere, those of one body as in the list.
+    pub(crate) fn sort_by_later(&mut self, seats: Seats<'_>) {
         self.later_start.clear();
         self.later_start.resize(self.touching_start.len(), 0);
         let pairs = || self.first[..self.touching].iter().zip(&self.second[..self.touching]);
         let (mut begin, mut window) = (0, 0);
         for (pair, (&a, &b)) in pairs().enumerate() {
             if pair.is_multiple_of(CHUNK) {
-                begin = a.min(b);
+                begin = seats.body(a.min(b) as usize);
             }
-            let later = a.max(b);
-            self.later_start[later as usize] += 1;
-            window = window.max(later - begin + 1);
+            let body = seats.body(a.max(b) as usize);
+            self.later_start[seats.first(body)] += 1;
+            window = window.max(body - begin + 1);
         }
-        self.window = window as usize;
+        self.window = window;
         let total = ends_from_counts(&mut self.later_start, 0);
         self.by_later.clear();
         self.by_later.resize(total, [0; 2]);
         for (pair, (&a, &b)) in pairs().enumerate().rev() {
             let later = a.max(b);
-            let place = &mut self.later_start[later as usize];
+            let place = &mut self.later_start[seats.first(seats.body(later as usize))];
             *place -= 1;
             self.by_later[*place as usize] = [2 * pair as u32 + u32::from(b > a), later];
         }

@@ -215,8 +215,7 @@ pub(crate) struct Placing<'a> {
     pub(crate) centre: &'a [Record],
     /// First sphere of each body, and of the one behind the last.
     pub(crate) first: &'a [u32],
-    /// Of the spheres: from the body's centre, laboratory frame; radius.
-    pub(crate) arm: &'a mut [Record],
+    /// Of the spheres: centre; radius.
     pub(crate) position: &'a mut [Record],
 }
 
@@ -260,14 +259,12 @@ impl Placing<'_> {
     fn one(&mut self, k: usize) {
         let (begin, centre) = (self.begin(k), self.centre[k]);
         if self.shape[k] == SPHERE {
-            self.arm[begin] = Record { w: self.arm[begin].w, ..Record::ZERO };
             self.position[begin] = centre;
             return;
         }
         let axes = axes_of(self.attitude[k].to_array());
         for (nth, s) in self.shapes[self.shape[k] as usize].spheres.iter().enumerate() {
             let a = DVec3::from(arm(axes, s.centre));
-            self.arm[begin + nth] = Record::new(a, s.radius);
             self.position[begin + nth] = Record::new(centre.vector() + a, s.radius);
         }
     }
@@ -281,17 +278,14 @@ impl Placing<'_> {
         let spheres = &self.shapes[shape as usize].spheres;
         let (begin, step) = (self.begin(k), spheres.len());
         let end = begin + 8 * step;
-        assert!(end <= self.arm.len() && end <= self.position.len());
-        let to_arm = self.arm[begin..].as_mut_ptr().cast();
-        let to_position = self.position[begin..].as_mut_ptr().cast();
+        assert!(end <= self.position.len());
+        let to = self.position[begin..].as_mut_ptr().cast();
         for (nth, s) in spheres.iter().enumerate() {
             let at: [u32; 8] = std::array::from_fn(|lane| 4 * (lane * step + nth) as u32);
-            let a = arm(axes, s.centre);
-            let (x, radius) = (centre + a, V::splat(s.radius));
-            // SAFETY: eight bodies of as many spheres lie within both slices.
+            let (x, radius) = (centre + arm(axes, s.centre), V::splat(s.radius));
+            // SAFETY: eight bodies of as many spheres lie within the slice.
             unsafe {
-                V::put_quads([a.x, a.y, a.z, radius], to_arm, &at);
-                V::put_quads([x.x, x.y, x.z, radius], to_position, &at);
+                V::put_quads([x.x, x.y, x.z, radius], to, &at);
             }
         }
     }
@@ -348,7 +342,6 @@ mod tests {
         mean_spin: Vec<Record>,
         end_spin: Vec<Record>,
         first: Vec<u32>,
-        arm: Vec<Record>,
         position: Vec<Record>,
         /// The farthest that a sphere has moved, squared, after each turn.
         farthest: Vec<f64>,
@@ -389,7 +382,6 @@ mod tests {
             torque: (0..n).map(|k| Record::new(at(k, 0.9) * 1e-7, 0.0)).collect(),
             mean_spin: vec![Record::new(DVec3::ZERO, 7.0); n],
             end_spin: vec![Record::ZERO; n],
-            arm: vec![Record::new(DVec3::ZERO, 3e-3); spheres],
             position: vec![Record::ZERO; spheres],
             farthest: Vec::new(),
             first,
@@ -397,9 +389,13 @@ mod tests {
         }
     }
 
+    fn centres(b: &Bodies) -> Vec<Record> {
+        b.torque.iter().map(|t| Record { w: 3e-3, ..*t * 1e4 }).collect()
+    }
+
     fn moved(level: Level) -> Bodies {
         let (shapes, mut b) = (shapes(), bodies());
-        let centre: Vec<Record> = b.torque.iter().map(|t| Record { w: 3e-3, ..*t * 1e6 }).collect();
+        let centre: Vec<Record> = centres(&b);
         let (reference, attitude) = (vec![Record::ZERO; centre.len()], b.attitude.clone());
         let frame = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO].map(|v| Record::new(v, 0.0));
         for _ in 0..3 {
@@ -410,7 +406,7 @@ mod tests {
                 attitude: &attitude,
                 frame: &frame,
                 turn: DQuat::IDENTITY,
-                limit: 1e-6,
+                limit: 1e-8,
             };
             Turning {
                 shapes: &shapes,
@@ -434,7 +430,6 @@ mod tests {
             attitude: &b.attitude,
             centre: &centre,
             first: &b.first,
-            arm: &mut b.arm,
             position: &mut b.position,
         }
         .run(level);
@@ -479,10 +474,11 @@ mod tests {
         let one = moved(Level::Portable);
         // The fastest turns by half a radian a step; its arm is as long as it was.
         assert!(one.mean_spin[6].vector().length() * 2e-5 > 0.3);
-        let length = one.arm[12].vector().length() / shapes()[0].spheres[0].centre.length();
+        let length = (one.position[12].vector() - centres(&one)[6].vector()).length()
+            / shapes()[0].spheres[0].centre.length();
         assert!((length - 1.0).abs() < 1e-14, "{length}");
         assert_eq!((one.mean_spin[3].w, one.momentum[3].w), (7.0, 4.0));
-        assert_eq!(one.arm[16], Record::new(DVec3::ZERO, 3e-3));
+        assert_eq!(one.position[16], centres(&one)[8]);
         let widest = Level::detect();
         if widest != Level::Portable {
             assert_eq!(one, moved(Level::Avx2));

@@ -192,7 +192,7 @@ impl<V: Numbers> V3<V> {
     }
 
     #[inline(always)]
-    pub(super) fn splat(x: f64) -> Self {
+    pub(crate) fn splat(x: f64) -> Self {
         Self { x: V::splat(x), y: V::splat(x), z: V::splat(x) }
     }
 

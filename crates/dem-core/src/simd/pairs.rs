@@ -27,9 +27,9 @@ pub(crate) struct Run<'a> {
 
 /// What becomes of wrenches.
 pub(crate) enum Wrenches<'a> {
-    /// Each is kept: force, torques on the first and on the second sphere.
+    /// Each is kept: force, torques on the bodies of the first and of the second sphere.
     Kept([&'a mut [Record]; 3]),
-    /// Both spheres add theirs to the sums of their places modulo the length, a power of two.
+    /// Both bodies add theirs to the sums of their places modulo the length, a power of two.
     Summed(&'a mut [Pull]),
 }
 
@@ -220,8 +220,19 @@ impl PairKernel<'_> {
         let s = &self.spheres;
         let size = if ALIKE { Some(self.one_size.unwrap_or_default()) } else { self.one_size };
         let [radius, mass] = [0, 1].map(|k| size.map(|s| s[k]));
+        let clumps = if MORE { s.clumps.as_ref() } else { None };
         // SAFETY: by the caller.
-        let (mut d, [rj, ri]) = unsafe { difference::<V>(s.position, b.second, b.first, radius) };
+        let (mut d, [rj, ri], places) = unsafe {
+            if clumps.is_some() {
+                let from = s.position.as_ptr().cast();
+                let (i, j) = (V::quads(from, b.first), V::quads(from, b.second));
+                (V3::of(j) - V3::of(i), [j[3], i[3]], Some([V3::of(i), V3::of(j)]))
+            } else {
+                let (d, radii) = difference::<V>(s.position, b.second, b.first, radius);
+                (d, radii, None)
+            }
+        };
+        let mut on = None;
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
@@ -230,8 +241,10 @@ impl PairKernel<'_> {
         let touching = distance_squared.less(sum * sum) & V::mask(b.valid);
         // SAFETY: by the caller.
         let (approach, [mi, mj], wi, wj, end) = unsafe {
-            if let (true, Some(c)) = (MORE, &s.clumps) {
-                let (i, j) = (on_clump::<V>(s, c, b.first), on_clump::<V>(s, c, b.second));
+            if let (Some(c), Some([xi, xj])) = (clumps, places) {
+                let i = on_clump::<V>(s, c, b.first, xi);
+                let j = on_clump::<V>(s, c, b.second, xj);
+                on = Some([(i.bodies, i.arm), (j.bodies, j.arm)]);
                 let approach = V3::of(i.mean_velocity) - V3::of(j.mean_velocity);
                 let masses = [i.mean_velocity[3], j.mean_velocity[3]];
                 (approach, masses, i.mean_spin, j.mean_spin, i.end_velocity - j.end_velocity)
@@ -318,15 +331,25 @@ impl PairKernel<'_> {
             dt,
         };
         let features = if MORE { self.features } else { Features::NONE };
-        let out = respond::<V, FAST, ALIKE>(&motion, laws, features, &before, touching);
+        let mut out = respond::<V, FAST, ALIKE>(&motion, laws, features, &before, touching);
+        let mut sums = [b.first, b.second];
+        if let Some([(first, arm_i), (second, arm_j)]) = &on {
+            // Torques about the centres of the bodies, which have the sums.
+            out.torque_i = out.torque_i + arm_i.cross(out.force);
+            out.torque_j = out.torque_j - arm_j.cross(out.force);
+            sums = [&first[..V::COUNT], &second[..V::COUNT]];
+        }
         // SAFETY: by the caller.
-        unsafe { store(&b, sinks, touching, &out, nothing) };
+        unsafe { store(&b, sinks, sums, touching, &out, nothing) };
         V::bits(deep)
     }
 }
 
 /// How spheres on clumps move.
 pub(super) struct OnClump<V> {
+    /// Where the numbers of their bodies begin, and where they sit on them.
+    pub(super) bodies: [[u32; 8]; MOST],
+    pub(super) arm: V3<V>,
     /// Mean velocity and mass.
     pub(super) mean_velocity: [V; 4],
     /// Mean angular velocity and material.
@@ -334,7 +357,7 @@ pub(super) struct OnClump<V> {
     pub(super) end_velocity: V3<V>,
 }
 
-/// `SphereView::motion` of spheres whose numbers begin there.
+/// `SphereView::motion` of spheres whose numbers begin there and which are at `position`.
 ///
 /// # Safety
 /// Every place in `at` is that of a sphere.
@@ -343,26 +366,29 @@ pub(super) unsafe fn on_clump<V: Blocks>(
     s: &SphereView<'_>,
     c: &ClumpView<'_>,
     at: &[[u32; 8]],
+    position: V3<V>,
 ) -> OnClump<V> {
-    let mut bodies = [[0; 8]; MOST];
-    for (of, spheres) in bodies.iter_mut().zip(at) {
+    let mut of_bodies = [[0; 8]; MOST];
+    for (of, spheres) in of_bodies.iter_mut().zip(at) {
         for (body, sphere) in of.iter_mut().zip(spheres) {
             *body = 4 * c.body[(sphere / 4) as usize];
         }
     }
-    let bodies = &bodies[..at.len()];
+    let bodies = &of_bodies[..at.len()];
     // SAFETY: by the caller; spheres sit on bodies.
-    let (arm, v, w, end, end_spin) = unsafe {
+    let (centre, v, w, end, end_spin) = unsafe {
         (
-            V3::of(V::quads(c.arm.as_ptr().cast(), at)),
+            V3::of(V::quads(c.centre.as_ptr().cast(), bodies)),
             V::quads(s.mean_velocity.as_ptr().cast(), bodies),
             V::quads(s.mean_spin.as_ptr().cast(), bodies),
             V3::of(V::quads(s.end_velocity.as_ptr().cast(), bodies)),
             V3::of(V::quads(c.end_spin.as_ptr().cast(), bodies)),
         )
     };
+    let arm = position - centre;
     let [mean, end_velocity] = on_arm(arm, [V3::of(v), V3::of(w)], [end, end_spin], c.dt);
-    OnClump { mean_velocity: [mean.x, mean.y, mean.z, v[3]], mean_spin: w, end_velocity }
+    let mean_velocity = [mean.x, mean.y, mean.z, v[3]];
+    OnClump { bodies: of_bodies, arm, mean_velocity, mean_spin: w, end_velocity }
 }
 
 /// Vectors of records less those of others, whose numbers begin there, and both scalars, which are `alike` in all
@@ -397,6 +423,7 @@ pub(super) unsafe fn difference<V: Blocks>(
 unsafe fn store<V: Blocks>(
     b: &Block<'_>,
     sinks: Sinks,
+    [first, second]: [&[[u32; 8]]; 2],
     touching: V::Mask,
     out: &Out<V>,
     nothing: f64,
@@ -421,7 +448,7 @@ unsafe fn store<V: Blocks>(
             Sink::Summed(to, within) => {
                 let [f, ti, tj] = wrench;
                 let wrench = [record(f, zero), record(ti, zero), record(tj, zero)];
-                V::add_wrenches(wrench, to, within, b.first, b.second);
+                V::add_wrenches(wrench, to, within, first, second);
             }
         }
     }

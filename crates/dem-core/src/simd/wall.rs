@@ -161,7 +161,7 @@ impl PairKernel<'_> {
             let p = V::gather(s.position, &g.places);
             match &s.clumps {
                 Some(c) => {
-                    let own = on_clump::<V>(s, c, &[fours(&g.places)]);
+                    let own = on_clump::<V>(s, c, &[fours(&g.places)], V3::of(p));
                     (p, own.mean_velocity, own.mean_spin, own.end_velocity)
                 }
                 None => (

@@ -133,6 +133,14 @@ pub(crate) fn cut_groups<'a, T>(
     Groups { begin: slice.as_mut_ptr(), starts, size, slice: PhantomData }
 }
 
+impl<'a, T> Groups<'a, T> {
+    /// As [`Chunks::view`].
+    pub(crate) fn view(&self) -> View<'a, T> {
+        let length = self.starts.last().map_or(0, |&end| end as usize);
+        View { begin: self.begin, length, slice: PhantomData }
+    }
+}
+
 impl<'a, T: Send> Cut for Groups<'a, T> {
     type Part = &'a mut [T];
 

@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
-pub(crate) use cut::{Chunks, Cut, InTurn, Runs, View, chosen, cut, cut_groups};
+pub(crate) use cut::{Chunks, Cut, Groups, InTurn, Runs, View, chosen, cut, cut_groups};
 
 /// How long a thread looks for the next stage before it sleeps.
 const PATIENCE: Duration = Duration::from_micros(60);
