@@ -21,7 +21,7 @@ use crate::forces::deeper;
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
-use crate::one_pass::{OfBodies, no_clumps, Chunk, Pass};
+use crate::one_pass::{Chunk, OfBodies, Pass, no_clumps};
 use crate::particles::{Bodies, Record};
 use crate::spheres::{Seats, SphereView};
 use crate::step::{contacts_of, kernel_of};

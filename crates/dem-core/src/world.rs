@@ -20,7 +20,7 @@ use crate::neighbour::verlet_list::{Found, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::{Bodies, ParticleId, Record};
 use crate::rigid::Clump;
-use crate::spheres::{Seats, ClumpView, SphereView};
+use crate::spheres::{ClumpView, Seats, SphereView};
 use crate::strips::Strips;
 use crate::sums::{LateEnds, Ring};
 use crate::threads::Team;
