@@ -373,7 +373,7 @@ impl Drift<'_> {
                 let old = Q::load(&run.mean_spin[k]);
                 d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
             }
-            farthest.note((position - Q::load(r).turned(&frame)).length_squared(), self.limit);
+            farthest.note((position - Q::load(r).turned(&frame)).length_squared(), r.w);
         }
         farthest
     }

@@ -27,8 +27,6 @@ pub(crate) struct Turns<'a> {
     /// How far the frame of the list has turned since: columns of the rotation and the translation, and the rotation.
     frame: [Record; 4],
     turn: DQuat,
-    /// Square of the displacement that calls for a list, m2.
-    limit: f64,
     dt: f64,
     level: Level,
 }
@@ -51,7 +49,6 @@ impl Turns<'_> {
             attitude: &self.attitude[own.clone()],
             frame: &self.frame,
             turn: self.turn,
-            limit: self.limit,
         };
         let mut farthest = Farthest::default();
         let turning = Turning {
@@ -121,7 +118,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             attitude: &list.attitude,
             frame: turn.columns(),
             turn: turn.quaternion(),
-            limit: (0.5 * make.skin).powi(2),
             dt: make.dt,
             level: make.level,
         }

@@ -4,6 +4,9 @@
 //! by more than half the skin since it was made; those of a clump move with its centre and by its turns. In a drum most of the bed turns with the wall
 //! like a solid, and a common rigid motion brings no two bodies nearer: so displacements are
 //! measured in the frame of the turning wall whenever that makes them smaller.
+//!
+//! Of clumps, whose pairs of spheres are many, each has a share of the skin by its speed: it is good as long as none has moved
+//! by more than its own, and a pair is listed whose gap is below what both may move.
 
 use glam::DVec3;
 
@@ -12,15 +15,15 @@ use crate::error::Error;
 use crate::geometry::{PlacedWall, Pose};
 use crate::integrate::Integrator;
 use crate::neighbour::Period;
-use crate::neighbour::cell_list::{CellList, columns_of};
-use crate::neighbour::verlet_list::{Found, LANES};
-use crate::particles::{Bodies, Record};
-use crate::simd::{Level, widened};
+use crate::neighbour::cell_list::columns_of;
+use crate::neighbour::search::Search;
+use crate::particles::Record;
+use crate::simd::widened;
 use crate::step::kernel_of;
 use crate::sums::PIECE;
 use crate::sweep::MOST_STEPS;
 use crate::threads::cut;
-use crate::world::{Kept, Members, SPHERE, World, sphere_view};
+use crate::world::{Kept, SPHERE, World, sphere_view};
 
 /// Lists between two re-sortings of the bodies in memory.
 const BUILDS_PER_SORT: u64 = 16;
@@ -29,6 +32,10 @@ const BUILDS_PER_SORT: u64 = 16;
 /// ever touch, less.
 const TOUCHING_MARGIN: f64 = 0.05;
 const TOUCHING_MARGIN_OF_CLUMPS: f64 = 0.02;
+
+/// What a clump may move before the list is made again, over half the skin: at least, and per share of the fastest.
+const LEAST_RESERVE: f64 = 0.25;
+const RESERVE_BY_SPEED: f64 = 1.0;
 
 /// What a body moves in a step at least, if it stood still when the list was made: as share of the skin.
 const LEAST_STRIDE: f64 = 1e-3;
@@ -51,6 +58,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
             self.place_members();
         }
+        self.share_out_skin();
         self.find_pairs();
         let slots = self.make.slots;
         let spheres = self.sphere_positions().len();
@@ -73,6 +81,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         state.list.reference.clone_from(&state.bodies.position);
+        for (reference, reserve) in state.list.reference.iter_mut().zip(&s.reserve) {
+            reference.w = reserve * reserve;
+        }
         state.list.attitude.clone_from(&state.members.attitude);
         state.list.time = state.step as f64 * self.make.dt;
         state.list.builds += 1;
@@ -85,6 +96,37 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.scratch.stride = self.longest_stride();
         self.order_near();
         Ok(())
+    }
+
+    /// Give every body what it may move before the list is made again: half the skin, and of clumps, whose lists are dear, those that move slowly
+    /// less.
+    fn share_out_skin(&mut self) {
+        let (half, dt) = (0.5 * self.make.skin, self.make.dt);
+        let turn = match self.make.turning_wall.filter(|_| self.state.list.turning) {
+            Some(wall) => {
+                let (motion, now) = (&self.state.walls[wall], self.time());
+                Turn::between(&motion.pose(now), &motion.pose(now + dt))
+            }
+            None => Turn::NONE,
+        };
+        let (b, m, s) = (&self.state.bodies, &self.state.members, &mut self.scratch);
+        s.reserve.clear();
+        if self.make.shapes.is_empty() {
+            s.reserve.resize(b.len(), half);
+            return;
+        }
+        let angular = turn.angular_velocity(dt);
+        s.reserve.extend((0..b.len()).map(|k| {
+            let x = b.position[k].vector();
+            let carried = turn.image(x) - x;
+            let reach = self.make.shapes.get(m.shape[k] as usize).map_or(0.0, |s| s.reach);
+            let spin = b.mean_spin[k].vector() - angular;
+            (b.mean_velocity[k].vector() * dt - carried).length() + reach * spin.length() * dt
+        }));
+        let most = s.reserve.iter().fold(1e-3 * half, |most, stride| most.max(*stride));
+        for reserve in &mut s.reserve {
+            *reserve = (LEAST_RESERVE * half + RESERVE_BY_SPEED * half / most * *reserve).min(half);
+        }
     }
 
     /// Sort the near pairs by their gaps, where kernels look at pairs.
@@ -313,6 +355,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             members: clumps.then_some(&self.state.members),
             spheres: &s.sphere_columns,
             range,
+            reserve: &s.reserve,
+            reach: self.make.range,
             margin: margin * self.make.skin,
             period,
             level,
@@ -386,186 +430,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
-/// What the search for pairs reads.
-struct Search<'a> {
-    cells: &'a CellList,
-    bodies: &'a Bodies,
-    /// The spheres of clumps, if there are clumps.
-    members: Option<&'a Members>,
-    /// Coordinates and radii of those spheres, with room for one more vector at the end.
-    spheres: &'a [Vec<f64>; 4],
-    range: f64,
-    margin: f64,
-    period: Option<Period>,
-    level: Level,
-}
-
-/// Candidates of a body that are kept before they are looked at.
-const CANDIDATES: usize = 512;
-
-/// Marks a candidate that counts as touching.
-const TOUCHES: u32 = 1 << 31;
-
-/// Places of the set bits among eight, the lowest first; the rest is of no account.
-pub(crate) const SET_BITS: [[u8; LANES]; 256] = {
-    let (mut table, mut bits) = ([[0; LANES]; 256], 0);
-    while bits < 256 {
-        let (mut lane, mut set) = (0, 0);
-        while lane < LANES {
-            if bits >> lane & 1 != 0 {
-                table[bits][set] = lane as u8;
-                set += 1;
-            }
-            lane += 1;
-        }
-        bits += 1;
-    }
-    table
-};
-
-/// The bits of the first `count` lanes, of all for more of them.
-#[inline(always)]
-pub(crate) fn lowest_bits(count: usize) -> u8 {
-    if count >= LANES { u8::MAX } else { (1u8 << count) - 1 }
-}
-
-/// Bodies in reach of one: sorted places, with a mark on those that touch.
-struct Candidates {
-    places: [u32; CANDIDATES],
-    count: usize,
-}
-
-impl Candidates {
-    /// Keep those of the eight places from `begin` on whose bits are set in `near`: all eight are written
-    /// and the next ones overwrite what does not count, so that nothing branches on the bits.
-    #[inline(always)]
-    fn push(&mut self, begin: usize, near: u8, touching: u8) {
-        let lanes = &SET_BITS[usize::from(near)];
-        if let Some(to) = self.places[self.count..].first_chunk_mut::<LANES>() {
-            for (to, lane) in to.iter_mut().zip(lanes) {
-                let lane = u32::from(*lane);
-                *to = (begin as u32 + lane) | (u32::from(touching) >> lane) << 31;
-            }
-            self.count += near.count_ones() as usize;
-        }
-    }
-
-    fn is_full(&self) -> bool {
-        self.count + LANES > CANDIDATES
-    }
-}
-
-impl Search<'_> {
-    /// Pairs of the bodies at these places with those behind them.
-    #[inline(always)]
-    fn pairs_of(&self, places: std::ops::Range<usize>, found: &mut Vec<Found>) {
-        let (cells, gaps) = (self.cells, [self.range, self.margin]);
-        let (mut own, mut candidates) =
-            (places.start, Candidates { places: [0; CANDIDATES], count: 0 });
-        cells.for_each_candidate(
-            places,
-            self.range,
-            self.period,
-            #[inline(always)]
-            |k, row| {
-                if k != own {
-                    self.keep_all(own, &mut candidates, found);
-                    own = k;
-                }
-                let (pi, mut begin) = (&cells.sorted[k], row.start);
-                while begin < row.end {
-                    let left = row.end - begin;
-                    let valid = lowest_bits(left);
-                    let (columns, period) = (&cells.columns, self.period);
-                    let [near, touching] =
-                        crate::simd::in_reach(self.level, pi, columns, begin, gaps, period);
-                    candidates.push(begin, near & valid, touching);
-                    if candidates.is_full() {
-                        self.keep_all(k, &mut candidates, found);
-                    }
-                    begin += LANES;
-                }
-            },
-        );
-        self.keep_all(own, &mut candidates, found);
-    }
-
-    /// Keep the pairs of the body at sorted place `k` with its candidates.
-    #[inline(always)]
-    fn keep_all(&self, k: usize, candidates: &mut Candidates, found: &mut Vec<Found>) {
-        let order = &self.cells.order;
-        let (own, ids) = (order.get(k).copied().unwrap_or_default(), &self.bodies.id);
-        let marked = &candidates.places[..candidates.count];
-        candidates.count = 0;
-        if let Some(m) = self.members {
-            for place in marked {
-                self.spheres_of(m, own, order[(place & !TOUCHES) as usize], found);
-            }
-            return;
-        }
-        found.extend(marked.iter().map(|place| {
-            Found::pair(ids, own, order[(place & !TOUCHES) as usize], place & TOUCHES != 0)
-        }));
-    }
-
-    /// Keep the pairs of spheres of two bodies that are in reach of each other: the spheres of the first that are in reach of the
-    /// second as a whole are held against eight of its spheres at a time.
-    #[inline(always)]
-    fn spheres_of(&self, m: &Members, i: u32, j: u32, found: &mut Vec<Found>) {
-        let own = |body: u32| m.first[body as usize] as usize..m.first[body as usize + 1] as usize;
-        let whole = &self.bodies.position[j as usize];
-        for (begin, valid) in eights(own(i)) {
-            let [marks, _] = self.eight_in_reach(whole, begin);
-            for lane in set_bits(marks & valid) {
-                let first = begin + lane;
-                for (begin, valid) in eights(own(j)) {
-                    let [near, touching] = self.eight_in_reach(&m.position[first], begin);
-                    for lane in set_bits(near & valid) {
-                        let second = (begin + lane) as u32;
-                        let touching = touching >> lane & 1 != 0;
-                        found.push(Found::pair(&m.id, first as u32, second, touching));
-                    }
-                }
-            }
-        }
-    }
-
-    /// Which of the eight spheres from `begin` on are in reach of a sphere, and which count as touching it.
-    #[inline(always)]
-    fn eight_in_reach(&self, own: &Record, begin: usize) -> [u8; 2] {
-        let gaps = [self.range, self.margin];
-        crate::simd::in_reach(self.level, own, self.spheres, begin, gaps, self.period)
-    }
-}
-
-/// Places eight at a time: where they begin, and which of them count.
-#[inline(always)]
-fn eights(places: std::ops::Range<usize>) -> impl Iterator<Item = (usize, u8)> {
-    let mut begin = places.start;
-    std::iter::from_fn(
-        #[inline(always)]
-        move || {
-            let now = begin;
-            begin += LANES;
-            (now < places.end).then(|| (now, lowest_bits(places.end - now)))
-        },
-    )
-}
-
-/// Places of the set bits, the lowest first.
-#[inline(always)]
-fn set_bits(mut bits: u8) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(
-        #[inline(always)]
-        move || {
-            let lane = bits.trailing_zeros() as usize;
-            let any = bits != 0;
-            bits &= bits.wrapping_sub(1);
-            any.then_some(lane)
-        },
-    )
-}
-
 impl PlacedWall {
     /// The wall after a rigid motion.
     pub(crate) fn carried(&self, by: &Pose) -> PlacedWall {
@@ -612,6 +476,11 @@ impl Turn {
     pub(crate) fn columns(&self) -> [Record; 4] {
         let r = &self.rotation;
         [r.x_axis, r.y_axis, r.z_axis, self.translation].map(|v| Record::new(v, 0.0))
+    }
+
+    /// Angular velocity of a turn that takes `dt`, rad/s.
+    pub(crate) fn angular_velocity(&self, dt: f64) -> DVec3 {
+        self.quaternion().to_scaled_axis() / dt
     }
 
     /// The rotation as a quaternion.

@@ -49,7 +49,7 @@ pub(crate) struct State {
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ListState {
-    /// Positions of the bodies then.
+    /// Positions of the bodies then; square of the displacement of each that calls for a new list, m2.
     pub(crate) reference: Vec<Record>,
     /// Their attitudes then, where there are clumps.
     pub(crate) attitude: Vec<DQuat>,
@@ -173,6 +173,8 @@ pub(crate) struct Scratch {
     /// Coordinates and radii of the spheres of clumps.
     pub(crate) sphere_columns: [Vec<f64>; 4],
     pub(crate) found: Vec<Vec<Found>>,
+    /// What each body may move before the list is made again, m.
+    pub(crate) reserve: Vec<f64>,
     pub(crate) old_pairs: PairList,
     pub(crate) near_order: NearOrder,
     /// Displacements since the list was made.

@@ -8,7 +8,7 @@ use std::mem::MaybeUninit;
 use super::lanes::Lanes;
 use super::pairs::{PairKernel, Run};
 use crate::contact_stage::CHUNK;
-use crate::list::{SET_BITS, lowest_bits};
+use crate::neighbour::search::{SET_BITS, lowest_bits};
 
 /// Eight bits as bytes.
 const BYTES: [[u8; 8]; 256] = {

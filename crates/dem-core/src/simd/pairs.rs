@@ -8,7 +8,7 @@ use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
 use super::lanes::V3;
 use super::{Arithmetic, Constants, Level};
 use crate::forces::ChunkYield;
-use crate::list::lowest_bits;
+use crate::neighbour::search::lowest_bits;
 use crate::particles::Record;
 use crate::spheres::{ClumpView, SphereView, on_arm};
 use crate::sums::Pull;

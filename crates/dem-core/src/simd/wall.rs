@@ -14,7 +14,7 @@ use super::pairs::{PairKernel, on_clump};
 use super::{Arithmetic, Level, widened};
 use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};
-use crate::list::lowest_bits;
+use crate::neighbour::search::lowest_bits;
 use crate::neighbour::verlet_list::memory_index;
 use crate::particles::Record;
 use crate::threads::View;
