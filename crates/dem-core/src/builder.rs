@@ -221,7 +221,8 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         ParticleId((self.bodies.len() - 1) as u32)
     }
 
-    /// Gap up to which the neighbour list holds pairs, m; by default 0.4 of the mean radius.
+    /// Gap up to which the neighbour list holds pairs, m; by default 0.4 of the mean radius. Of clumps it holds those up to what both may
+    /// move before it is made again, which is less for slow ones.
     pub fn skin(&mut self, skin: f64) -> &mut Self {
         self.skin = Some(skin);
         self

@@ -96,6 +96,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             self.make_list()?;
         }
         self.scratch.hold = 0;
+        // Left over from a run that ended in a fault of the list.
+        self.scratch.members_placed = false;
         if !self.state.forces_stale {
             return Ok(());
         }
