@@ -33,9 +33,8 @@ const BUILDS_PER_SORT: u64 = 16;
 const TOUCHING_MARGIN: f64 = 0.05;
 const TOUCHING_MARGIN_OF_CLUMPS: f64 = 0.02;
 
-/// What a clump may move before the list is made again, over half the skin: at least, and per share of the fastest.
+/// What a clump at rest may move before the list is made again, over half the skin: more by its speed over that of the fastest.
 const LEAST_RESERVE: f64 = 0.25;
-const RESERVE_BY_SPEED: f64 = 1.0;
 
 /// What a body moves in a step at least, if it stood still when the list was made: as share of the skin.
 const LEAST_STRIDE: f64 = 1e-3;
@@ -125,7 +124,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }));
         let most = s.reserve.iter().fold(1e-3 * half, |most, stride| most.max(*stride));
         for reserve in &mut s.reserve {
-            *reserve = (LEAST_RESERVE * half + RESERVE_BY_SPEED * half / most * *reserve).min(half);
+            *reserve = (LEAST_RESERVE * half + half / most * *reserve).min(half);
         }
     }
 
@@ -342,8 +341,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     fn find_pairs(&mut self) {
         let range = self.make.skin + self.make.range;
         let (period, level) = (self.make.period, self.make.level);
-        let margin = if self.has_clumps() { TOUCHING_MARGIN_OF_CLUMPS } else { TOUCHING_MARGIN };
         let clumps = self.has_clumps();
+        let margin = if clumps { TOUCHING_MARGIN_OF_CLUMPS } else { TOUCHING_MARGIN };
         let s = &mut self.scratch;
         s.cells.sort(&self.state.bodies.position, range, period);
         if clumps {

@@ -35,9 +35,19 @@ pub(crate) type Chunk<'a> =
 /// One piece of bodies: their columns, how far they have moved, what clumps have besides.
 pub(crate) type OfBodies<'a> = (Columns<'a>, &'a mut [f64], Turned<'a>);
 
+/// What clumps have besides, in pieces of bodies whose first spheres are given.
+fn cut_clumps<'a>(
+    attitude: &'a mut [glam::DQuat],
+    end_spin: &'a mut [Record],
+    spheres: &'a mut [Record],
+    first: &'a [u32],
+) -> (Chunks<'a, glam::DQuat>, Chunks<'a, Record>, Groups<'a, Record>) {
+    (cut(attitude, PIECE), cut(end_spin, PIECE), cut_groups(spheres, first, PIECE))
+}
+
 /// Pieces of bodies that have nothing besides.
 pub(crate) fn no_clumps<'a>() -> (Chunks<'a, glam::DQuat>, Chunks<'a, Record>, Groups<'a, Record>) {
-    (cut(&mut [], PIECE), cut(&mut [], PIECE), cut_groups(&mut [], &[], PIECE))
+    cut_clumps(&mut [], &mut [], &mut [], &[])
 }
 
 /// What is the same for all strips.
@@ -142,11 +152,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         {
             let count = bodies.len();
             let cut_columns = cut_bodies(&mut bodies, PIECE);
-            let of_clumps = (
-                cut(&mut attitude, PIECE),
-                cut(&mut end_spin, PIECE),
-                cut_groups(&mut positions, &members.first, PIECE),
-            );
+            let of_clumps =
+                cut_clumps(&mut attitude, &mut end_spin, &mut positions, &members.first);
             let spheres = SphereView::of_columns(
                 &cut_columns,
                 clumps.then(|| {
@@ -194,11 +201,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         kick.collect.pairs = Some((&pairs, kept.each_ref().map(|wrenches| &wrenches[..])));
         let deferred = &strips.deferred;
         s.body_yield.resize(deferred.len(), BodyYield::default());
-        let of_clumps = (
-            cut(&mut attitude, PIECE),
-            cut(&mut end_spin, PIECE),
-            cut_groups(&mut positions, &members.first, PIECE),
-        );
+        let of_clumps = cut_clumps(&mut attitude, &mut end_spin, &mut positions, &members.first);
         let pieces = (cut_bodies(&mut bodies, PIECE), cut(&mut s.moved.square, 1), of_clumps);
         let parts = (chosen(pieces, deferred), cut(&mut s.body_yield, 1));
         self.team.each(deferred.len(), parts, |k, (of, result)| {
