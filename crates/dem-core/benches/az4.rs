@@ -5,36 +5,14 @@
 //! mm, settling steps, tablets (the drum is as long as they need); the word `fused` or `roots` anywhere for those kernels.
 #![expect(clippy::print_stdout, reason = "a bench reports by printing")]
 
-use std::time::Instant;
+mod drum;
 
 use dem_core::prelude::*;
+use drum::{RADIUS, Random, argument, timed, turning};
 
-type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
-
-/// Steps in a piece of the run.
-const PIECE: u64 = 20;
 /// Mass (kg) and moments about the centre (kg m2) of a disc of 8.6 mm with a density of 1350 kg/m3: near those of the clump.
 const MASS: f64 = 2.6e-4;
 const MOMENTS: DVec3 = DVec3::new(1.6e-9, 1.6e-9, 2.5e-9);
-
-fn law(material: &Material, friction: f64) -> Model {
-    let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
-    let g = material.shear_modulus();
-    let spec = HertzSpec { e_star: e / (2.0 * (1.0 - nu * nu)), restitution: 0.9 };
-    let normal = HertzTailCut::try_from(spec).expect("valid");
-    ContactModel {
-        normal,
-        tangential: Mindlin {
-            g_star: g / (2.0 * (2.0 - nu)),
-            friction: dem_core::contact::friction::Friction::coulomb(friction).expect("valid"),
-            damping: normal.damping,
-        },
-        rolling: ConstantTorqueSpec { coefficient: RollingCoefficient::Ratio(0.01) }
-            .try_into()
-            .expect("valid"),
-        cohesion: Cohesionless,
-    }
-}
 
 fn tablet(material: MaterialId) -> Clump {
     let ring = |n: usize| {
@@ -53,42 +31,22 @@ fn tablet(material: MaterialId) -> Clump {
 }
 
 fn main() {
-    let arguments: Vec<f64> = std::env::args().skip(1).filter_map(|a| a.parse().ok()).collect();
-    let argument = |k: usize, default: f64| arguments.get(k).copied().unwrap_or(default);
     let (threads, steps) = (argument(0, 1.0) as usize, argument(1, 1000.0) as u64);
     let (skin, settle) = (argument(2, 0.8) * 1e-3, argument(3, 3000.0) as u64);
     let material = Material::from_shear_modulus(2.92e6, 0.29, 1350.0);
     let count = argument(4, 5997.0) as usize;
-    let (radius, length) = (0.125, 0.150 * count as f64 / 5997.0);
-    let mut b = WorldBuilder::<Model>::new(5e-5);
-    let (body, wall) = (b.material(material), b.material(material));
-    b.pair_law(body, body, law(&material, 0.5)).pair_law(body, wall, law(&material, 0.6));
-    b.gravity(DVec3::NEG_Y * 9.81).threads(threads).skin(skin);
-    let asked = |word: &str| std::env::args().any(|a| a == word);
-    b.kernels(match (asked("fused"), asked("roots")) {
-        (_, true) => Kernels::FastRoots,
-        (true, false) => Kernels::Fused,
-        _ => Kernels::Fastest,
-    });
-    b.domain(DVec3::new(-0.14, -0.14, -0.01), DVec3::new(0.14, 0.14, length + 0.01));
-    let turning = Motion::rotating(DVec3::ZERO, DVec3::Z, 17.0 * std::f64::consts::TAU / 60.0);
-    let drum = b.wall(Wall::drum(DVec3::ZERO, DVec3::Z, radius, wall).with_motion(turning));
-    b.wall(Wall::disc(DVec3::ZERO, DVec3::Z, 0.14, wall).with_motion(turning));
-    b.wall(Wall::disc(DVec3::Z * length, DVec3::NEG_Z, 0.14, wall).with_motion(turning));
+    let length = 0.150 * count as f64 / 5997.0;
+    let (mut b, body, drum) = turning(material, length, 5e-5, threads, skin);
     let shape = b.clump_shape(tablet(body));
-    let mut random = 42u64;
-    let mut uniform = || {
-        random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (random >> 40) as f64 / (1u64 << 24) as f64 - 0.5
-    };
+    let mut random = Random(42);
     let (reach, mut left) = (4.3e-3, count);
     let pitch = 2.0 * reach;
-    let (across, along) = ((2.0 * radius / pitch) as usize, (length / pitch) as usize);
+    let (across, along) = ((2.0 * RADIUS / pitch) as usize, (length / pitch) as usize);
     'fill: for j in 0..across {
         for i in 0..across {
-            let place = |n: usize| (n as f64 + 0.5) * pitch - radius;
+            let place = |n: usize| (n as f64 + 0.5) * pitch - RADIUS;
             let (x, y) = (place(i), place(j));
-            if x.hypot(y) > radius - reach {
+            if x.hypot(y) > RADIUS - reach {
                 continue;
             }
             for k in 0..along {
@@ -96,7 +54,8 @@ fn main() {
                     break 'fill;
                 }
                 left -= 1;
-                let turn = DQuat::from_xyzw(uniform(), uniform(), uniform(), uniform());
+                let turn =
+                    DQuat::from_xyzw(random.next(), random.next(), random.next(), random.next());
                 b.clump(PlacedClump {
                     shape,
                     position: DVec3::new(x, y, (k as f64 + 0.5) * length / along as f64),
@@ -107,30 +66,5 @@ fn main() {
             }
         }
     }
-    let mut world = b.build().expect("a valid drum");
-    world.run(settle).expect("settling");
-    let (builds, start) = (world.list_builds(), Instant::now());
-    let mut pieces = Vec::new();
-    for _ in 0..steps.div_ceil(PIECE) {
-        let begun = Instant::now();
-        world.run(PIECE).expect("turning");
-        pieces.push(begun.elapsed().as_secs_f64() * 1e9 / (PIECE * world.len() as u64) as f64);
-    }
-    let (steps, time) = (steps.div_ceil(PIECE) * PIECE, start.elapsed().as_secs_f64());
-    pieces.sort_by(f64::total_cmp);
-    let n = world.len() as f64;
-    println!(
-        "{} tablets, {threads} threads: {:.0} ns a tablet-step; {:.2} list pairs, {:.2} contacts a tablet, list every {:.1} steps; torque {:.4} N m",
-        world.len(),
-        time * 1e9 / (steps as f64 * n),
-        world.list_pairs() as f64 / n,
-        world.contact_count() as f64 / n,
-        steps as f64 / (world.list_builds() - builds).max(1) as f64,
-        world.wall_load(drum).expect("the drum").torque.z,
-    );
-    println!(
-        "wall time of the fastest tenth, half of the pieces of {PIECE} steps: {:.0}, {:.0} ns a tablet-step",
-        pieces[pieces.len() / 10],
-        pieces[pieces.len() / 2]
-    );
+    timed(&mut b.build().expect("a valid drum"), drum, [settle, steps], "tablet");
 }
