@@ -17,6 +17,10 @@ use crate::world::{Make, Scratch};
 
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
 pub(crate) const CHUNK: usize = 256;
+const _: () = assert!(
+    CHUNK.is_multiple_of(crate::sums::PIECE) && CHUNK.is_multiple_of(u64::BITS as usize),
+    "chunks are whole pieces of bodies, and their marks whole words"
+);
 
 /// Compute all contacts, or all but the touching pairs; near pairs in action end in `s.wrenches.late`.
 pub(crate) fn all_contacts<M: ContactLaw>(

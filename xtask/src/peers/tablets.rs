@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::code::{Code, deck_path, locate};
 use super::scene::{GRAVITY, MU, MU_WALL, Model, RESTITUTION, ROLLING, law};
-use super::spread::Spread;
+use super::spread::{Spread, best_of, fastest_of_rounds};
 use super::{Peers, exchange, folder, load, log, machine};
 
 /// Tablets of configuration AZ4.
@@ -170,17 +170,15 @@ fn tumble(options: &Peers, threads: usize) -> anyhow::Result<Line> {
         };
         world.particles().map(tablet).collect::<Vec<_>>()
     };
-    let mut best = (f64::INFINITY, SKINS[1]);
-    for skin in SKINS {
+    let least = fastest_of_rounds(&SKINS, |skin| {
         let mut world = world(threads, skin, options.kernels.kernels(), Some(&settled))?;
         world.run(100)?;
         let ns = timed(&mut world, options.tune_steps.min(300))?;
         eprintln!("tumble: skin {:.2} mm, {ns:.0} ns a tablet-step", 1e3 * skin);
-        if ns < best.0 {
-            best = (ns, skin);
-        }
-    }
-    let mut world = world(threads, best.1, options.kernels.kernels(), Some(&settled))?;
+        Ok(ns)
+    })?;
+    let skin = best_of(&SKINS, &least);
+    let mut world = world(threads, skin, options.kernels.kernels(), Some(&settled))?;
     world.run(options.warm)?;
     let before = world.list_builds();
     let (mut times, mut contacts) = (Vec::new(), 0.0);
@@ -195,7 +193,7 @@ fn tumble(options: &Peers, threads: usize) -> anyhow::Result<Line> {
         code: Code::Tumble.name(),
         version: format!("Tumble {}", env!("CARGO_PKG_VERSION")),
         threads,
-        skin_mm: 1e3 * best.1,
+        skin_mm: 1e3 * skin,
         ns_per_tablet_step: Spread::of(times),
         contacts_per_tablet: contacts / TABLETS as f64,
         list_pairs_per_tablet: world.list_pairs() as f64 / TABLETS as f64,
@@ -258,25 +256,23 @@ fn liggghts(options: &Peers, folder: &Path) -> anyhow::Result<Line> {
         let centres = exchange::read_dump(&dump)?;
         Ok((log::read(&text)?, angle(centres.iter().map(|b| b.position))))
     };
-    let mut best = (f64::INFINITY, SKINS[2]);
-    for skin in SKINS {
+    let least = fastest_of_rounds(&SKINS, |skin| {
         // Tablets in the air: what is tuned is the list, at a tenth of the price.
         let (told, _) = run(skin, 200, options.settle / 4)?;
         let ns = told.loop_s * 1e9 / (200.0 * TABLETS as f64);
         eprintln!("liggghts: skin {:.2} mm, {ns:.0} ns a tablet-step", 1e3 * skin);
-        if ns < best.0 {
-            best = (ns, skin);
-        }
-    }
+        Ok(ns)
+    })?;
+    let skin = best_of(&SKINS, &least);
     let steps = options.steps * options.repeats as u64;
-    let (told, angle_deg) = run(best.1, steps, options.settle + options.warm)?;
+    let (told, angle_deg) = run(skin, steps, options.settle + options.warm)?;
     let ns = told.loop_s * 1e9 / (steps as f64 * TABLETS as f64);
     eprintln!("liggghts: {ns:.0} ns a tablet-step over {steps} steps");
     Ok(Line {
         code: Code::Liggghts.name(),
         version: told.version.clone(),
         threads: 1,
-        skin_mm: 1e3 * best.1,
+        skin_mm: 1e3 * skin,
         ns_per_tablet_step: Spread::of([ns]),
         contacts_per_tablet: told.contacts / TABLETS as f64,
         list_pairs_per_tablet: told.list_pairs / TABLETS as f64,

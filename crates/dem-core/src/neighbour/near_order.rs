@@ -10,6 +10,8 @@ use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::sums::PIECE;
 use crate::threads::{Team, cut};
 
+const _: () = assert!(CHUNK <= 1 << u8::BITS, "a byte tells which pair of its chunk");
+
 /// Classes of gaps up to the range of the list.
 const CLASSES: usize = 16;
 
