@@ -54,9 +54,11 @@ fn quick() -> Schedule {
 }
 
 #[expect(clippy::print_stdout, reason = "a test that is skipped says so")]
-/// A program from an environment variable or the path, with the folder of libraries beside it.
+/// A program from an environment variable (a file, or a folder that holds `bin/NAME`, as `cargo xtask peers` takes it) or the
+/// path, with the folder of libraries beside it.
 fn program(variable: &str, name: &str) -> Option<(PathBuf, Option<PathBuf>)> {
     let given = std::env::var_os(variable).map(PathBuf::from);
+    let given = given.map(|p| if p.is_dir() { p.join("bin").join(name) } else { p });
     let on_path = || {
         let paths = std::env::var_os("PATH")?;
         std::env::split_paths(&paths).map(|p| p.join(name)).find(|p| p.is_file())
