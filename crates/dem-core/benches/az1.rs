@@ -11,13 +11,13 @@ use dem_core::prelude::*;
 use drum::{RADIUS, Random, argument, timed, turning};
 
 fn main() {
-    let (threads, steps) = (argument(0, 1.0) as usize, argument(1, 4000.0) as u64);
+    let steps = argument(1, 4000.0) as u64;
     let skin = argument(2, 1.25) * 1e-3;
     let count = argument(3, 7807.0) as usize;
     let settle = argument(4, 14000.0) as u64;
     let material = Material::from_shear_modulus(2.52e7, 0.29, 2500.0);
     let length = 0.150 * count as f64 / 7807.0;
-    let (mut b, bead, drum) = turning(material, length, 7e-5, threads, skin);
+    let (mut b, bead, drum) = turning(material, length, 7e-5, skin);
     let mut random = Random(42);
     let mut jitter = || random.next() * 2e-4;
     let pitch = 6.3e-3;

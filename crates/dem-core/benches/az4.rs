@@ -31,12 +31,12 @@ fn tablet(material: MaterialId) -> Clump {
 }
 
 fn main() {
-    let (threads, steps) = (argument(0, 1.0) as usize, argument(1, 1000.0) as u64);
+    let steps = argument(1, 1000.0) as u64;
     let (skin, settle) = (argument(2, 0.8) * 1e-3, argument(3, 3000.0) as u64);
     let material = Material::from_shear_modulus(2.92e6, 0.29, 1350.0);
     let count = argument(4, 5997.0) as usize;
     let length = 0.150 * count as f64 / 5997.0;
-    let (mut b, body, drum) = turning(material, length, 5e-5, threads, skin);
+    let (mut b, body, drum) = turning(material, length, 5e-5, skin);
     let shape = b.clump_shape(tablet(body));
     let mut random = Random(42);
     let (reach, mut left) = (4.3e-3, count);

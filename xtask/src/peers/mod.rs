@@ -17,6 +17,7 @@ mod scene;
 mod side_by_side;
 mod spread;
 mod tablets;
+mod tuning;
 mod worker;
 
 use std::path::PathBuf;

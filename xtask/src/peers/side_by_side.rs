@@ -6,7 +6,8 @@ use super::code::{Code, Installed, Run, Task};
 use super::physics::Bed;
 use super::report::{Absent, Entry, Report, Tried, Workload};
 use super::scene::{DT_S, Scene};
-use super::spread::{Spread, best_of, fastest_of_rounds};
+use super::spread::Spread;
+use super::tuning::fastest;
 use super::{Peers, folder, load, machine, report, settled, worker};
 
 /// Largest difference of contacts a particle between a code and Tumble.
@@ -69,20 +70,20 @@ pub(crate) fn run(options: &Peers) -> anyhow::Result<()> {
     report::print(&report, options.json, &folder.join("side_by_side.json"))
 }
 
-/// The fastest of five skins, each at the fastest of its runs: others on the machine only ever take time.
+/// The fastest of five skins.
 fn tune(code: &Installed, task: &Task<'_>, tried: &mut Vec<Tried>) -> anyhow::Result<f64> {
     let skins = code.code.skins();
-    let least = fastest_of_rounds(&skins, |skin| {
+    let (best, least) = fastest(skins, |skin| {
         let ns = processor_ns(&code.run(task, 1, skin)?, task);
         eprintln!("{}: skin {:.2} mm, {ns:.1} ns a particle-step", code.code.name(), 1e3 * skin);
         Ok(ns)
     })?;
-    tried.extend(skins.iter().zip(&least).map(|(skin, ns)| Tried {
+    tried.extend(skins.into_iter().zip(least).map(|(skin, ns)| Tried {
         code: code.code.name(),
         skin_mm: 1e3 * skin,
-        ns_per_particle_step: *ns,
+        ns_per_particle_step: ns,
     }));
-    Ok(best_of(&skins, &least))
+    Ok(best)
 }
 
 fn particle_steps(task: &Task<'_>) -> f64 {

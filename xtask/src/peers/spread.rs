@@ -28,29 +28,6 @@ impl Spread {
     }
 }
 
-/// Rounds in which settings are tried in turn.
-const TUNING_ROUNDS: usize = 3;
-
-/// The least time of each setting over some rounds in which all are tried in turn.
-pub(crate) fn fastest_of_rounds(
-    settings: &[f64],
-    mut time: impl FnMut(f64) -> anyhow::Result<f64>,
-) -> anyhow::Result<Vec<f64>> {
-    let mut least = vec![f64::INFINITY; settings.len()];
-    for _ in 0..TUNING_ROUNDS {
-        for (least, setting) in least.iter_mut().zip(settings) {
-            *least = least.min(time(*setting)?);
-        }
-    }
-    Ok(least)
-}
-
-/// The setting whose time is the least.
-pub(crate) fn best_of(settings: &[f64], times: &[f64]) -> f64 {
-    let best = settings.iter().zip(times).min_by(|a, b| a.1.total_cmp(b.1));
-    best.map_or(f64::NAN, |best| *best.0)
-}
-
 /// Exponent `p` of `y ~ x^p` by least squares in logarithms.
 pub(crate) fn exponent(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
@@ -71,17 +48,6 @@ mod tests {
         assert_eq!(Spread::of([3.0, 1.0, 2.0]), Spread { median: 2.0, least: 1.0, most: 3.0 });
         assert_eq!(Spread::of([4.0, 1.0, 2.0, 3.0]).median, 2.5);
         assert!(Spread::of([]).median.is_nan());
-    }
-
-    #[test]
-    fn a_setting_is_judged_by_its_fastest_run() {
-        // The second is the fastest but for what disturbs its first and last run.
-        let mut times = [5.0, 9.0, 4.0, 4.5, 3.0, 4.2, 4.4, 8.0, 4.1].into_iter();
-        let settings = [0.1, 0.2, 0.3];
-        let least = fastest_of_rounds(&settings, |_| Ok(times.next().unwrap())).unwrap();
-        assert_eq!(least, [4.4, 3.0, 4.0]);
-        assert_eq!(best_of(&settings, &least), 0.2);
-        assert!(fastest_of_rounds(&settings, |_| anyhow::bail!("failed")).is_err());
     }
 
     #[test]

@@ -18,7 +18,8 @@ use serde::Serialize;
 
 use super::code::{Code, deck_path, locate};
 use super::scene::{GRAVITY, MU, MU_WALL, Model, RESTITUTION, ROLLING, law};
-use super::spread::{Spread, best_of, fastest_of_rounds};
+use super::spread::Spread;
+use super::tuning::fastest;
 use super::{Peers, exchange, folder, load, log, machine};
 
 /// Tablets of configuration AZ4.
@@ -170,14 +171,13 @@ fn tumble(options: &Peers, threads: usize) -> anyhow::Result<Line> {
         };
         world.particles().map(tablet).collect::<Vec<_>>()
     };
-    let least = fastest_of_rounds(&SKINS, |skin| {
+    let (skin, _) = fastest(SKINS, |skin| {
         let mut world = world(threads, skin, options.kernels.kernels(), Some(&settled))?;
         world.run(100)?;
         let ns = timed(&mut world, options.tune_steps.min(300))?;
         eprintln!("tumble: skin {:.2} mm, {ns:.0} ns a tablet-step", 1e3 * skin);
         Ok(ns)
     })?;
-    let skin = best_of(&SKINS, &least);
     let mut world = world(threads, skin, options.kernels.kernels(), Some(&settled))?;
     world.run(options.warm)?;
     let before = world.list_builds();
@@ -256,14 +256,13 @@ fn liggghts(options: &Peers, folder: &Path) -> anyhow::Result<Line> {
         let centres = exchange::read_dump(&dump)?;
         Ok((log::read(&text)?, angle(centres.iter().map(|b| b.position))))
     };
-    let least = fastest_of_rounds(&SKINS, |skin| {
+    let (skin, _) = fastest(SKINS, |skin| {
         // Tablets in the air: what is tuned is the list, at a tenth of the price.
         let (told, _) = run(skin, 200, options.settle / 4)?;
         let ns = told.loop_s * 1e9 / (200.0 * TABLETS as f64);
         eprintln!("liggghts: skin {:.2} mm, {ns:.0} ns a tablet-step", 1e3 * skin);
         Ok(ns)
     })?;
-    let skin = best_of(&SKINS, &least);
     let steps = options.steps * options.repeats as u64;
     let (told, angle_deg) = run(skin, steps, options.settle + options.warm)?;
     let ns = told.loop_s * 1e9 / (steps as f64 * TABLETS as f64);

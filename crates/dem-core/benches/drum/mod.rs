@@ -37,19 +37,24 @@ pub(crate) fn argument(place: usize, default: f64) -> f64 {
     numbers.nth(place).unwrap_or(default)
 }
 
+/// How many threads: the first number.
+fn threads() -> usize {
+    argument(0, 1.0) as usize
+}
+
 /// A drum of this length (m) that turns at 17 rpm, with a time step of `dt` (s) and a skin (m): the builder, what its
-/// particles are made of, and its shell. Kernels are those that the command line names.
+/// particles are made of, and its shell. Kernels and threads are those that
+/// the command line names.
 pub(crate) fn turning(
     material: Material,
     length: f64,
     dt: f64,
-    threads: usize,
     skin: f64,
 ) -> (WorldBuilder<Model>, MaterialId, usize) {
     let mut b = WorldBuilder::<Model>::new(dt);
     let (grain, wall) = (b.material(material), b.material(material));
     b.pair_law(grain, grain, law(&material, 0.5)).pair_law(grain, wall, law(&material, 0.6));
-    b.gravity(DVec3::NEG_Y * 9.81).threads(threads).skin(skin);
+    b.gravity(DVec3::NEG_Y * 9.81).threads(threads()).skin(skin);
     let asked = |word: &str| std::env::args().any(|a| a == word);
     b.kernels(match (asked("fused"), asked("roots")) {
         (_, true) => Kernels::FastRoots,
@@ -105,7 +110,7 @@ pub(crate) fn timed(world: &mut World<Model>, drum: usize, [settle, steps]: [u64
     println!(
         "{} {one}s, {} threads: {:.1} ns a {one}-step; {:.2} list pairs, {:.2} contacts a {one}, list every {:.1} steps; torque {:.4} N m",
         world.len(),
-        argument(0, 1.0),
+        threads(),
         time * 1e9 / (steps as f64 * n),
         world.list_pairs() as f64 / n,
         world.contact_count() as f64 / n,
