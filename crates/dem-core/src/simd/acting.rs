@@ -69,8 +69,9 @@ impl PairKernel<'_> {
         let (active, _) = run.active.as_chunks_mut::<8>();
         assert!(8 * active.len() <= CHUNK, "a run is a chunk at most");
         let (mut count, mut idle) = (0, 0);
+        let (whole, rest) = (run.pairs / 8, lowest_bits(run.pairs % 8));
         for (k, ((first, second), active)) in first.iter().zip(second).zip(active).enumerate() {
-            let valid = lowest_bits(run.pairs.saturating_sub(8 * k));
+            let valid = if k < whole { u8::MAX } else { rest };
             // SAFETY: by the caller.
             let touching = unsafe { self.near::<V>(first, second) } & valid;
             // A byte of 0 or 1 each: their bits side by side.
@@ -78,11 +79,10 @@ impl PairKernel<'_> {
             let acts = touching | before as u8;
             *active = BYTES[usize::from(touching)];
             let order = &SET_BITS[usize::from(acts)];
-            let begin = 8 * k as u32;
-            let own = std::array::from_fn(|lane| begin + lane as u32);
-            for (from, to) in
-                [(&own, &mut room.pair), (first, &mut room.first), (second, &mut room.second)]
-            {
+            if let Some(to) = room.pair[count..].first_chunk_mut() {
+                V::pack_own_fours(8 * k as u32, order, to);
+            }
+            for (from, to) in [(first, &mut room.first), (second, &mut room.second)] {
                 if let Some(to) = to[count..].first_chunk_mut() {
                     V::pack_fours(from, order, to);
                 }

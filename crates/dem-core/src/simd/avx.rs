@@ -4,12 +4,14 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
+/// Four numbers from `EACH` times a place on.
+///
 /// # Safety
 /// AVX is there and the four numbers of the quad can be read.
 #[inline(always)]
-pub(super) unsafe fn quad(from: *const f64, at: u32) -> __m256d {
-    // SAFETY: by the caller.
-    unsafe { _mm256_loadu_pd(from.add(at as usize)) }
+pub(super) unsafe fn quad<const EACH: usize>(from: *const f64, at: u32) -> __m256d {
+    // SAFETY: by the caller. The product is one of addresses: of places it would be cut off and widened again.
+    unsafe { _mm256_loadu_pd(from.add(EACH * at as usize)) }
 }
 
 /// # Safety
@@ -39,6 +41,20 @@ pub(super) unsafe fn pack_fours(
     }
 }
 
+/// As [`Lanes::pack_own_fours`].
+///
+/// # Safety
+/// AVX2 is there.
+#[inline(always)]
+pub(super) unsafe fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+    // SAFETY: by the caller; the arrays are as long as what is read and written.
+    unsafe {
+        let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
+        let own = _mm256_add_epi32(order, _mm256_set1_epi32(begin.cast_signed()));
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_slli_epi32::<2>(own));
+    }
+}
+
 /// Where the sums of spheres begin, of whose places four times is given.
 ///
 /// # Safety
@@ -53,4 +69,55 @@ pub(super) unsafe fn sums_at(within: u32, places: &[u32; 8]) -> [u32; 8] {
         _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_slli_epi32::<1>(own));
     }
     at
+}
+
+/// Four bits as a mask of four lanes.
+///
+/// # Safety
+/// AVX2 is there.
+#[inline(always)]
+pub(super) unsafe fn mask4(bits: u8) -> __m256d {
+    // SAFETY: by the caller.
+    unsafe {
+        let lane = _mm256_setr_epi64x(1, 2, 4, 8);
+        let all = _mm256_set1_epi64x(i64::from(bits));
+        _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(all, lane), lane))
+    }
+}
+
+/// Fields from rows and rows from fields.
+///
+/// # Safety
+/// AVX is there.
+#[inline(always)]
+pub(super) unsafe fn transpose(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> [__m256d; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (xz, yw) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+        let (xz2, yw2) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(xz, xz2),
+            _mm256_permute2f128_pd::<0x20>(yw, yw2),
+            _mm256_permute2f128_pd::<0x31>(xz, xz2),
+            _mm256_permute2f128_pd::<0x31>(yw, yw2),
+        ]
+    }
+}
+
+/// Add force and torques of one contact to the sums of both spheres.
+///
+/// # Safety
+/// AVX is there and both sums can be written.
+#[inline(always)]
+pub(super) unsafe fn add_pair(to: *mut f64, at: [u32; 2], [f, ti, tj]: [__m256d; 3]) {
+    // SAFETY: by the caller; sums lie at multiples of 64.
+    unsafe {
+        let (first, second) = (to.add(at[0] as usize), to.add(at[1] as usize));
+        let torque = first.add(4);
+        _mm256_store_pd(first, _mm256_add_pd(_mm256_load_pd(first), f));
+        _mm256_store_pd(torque, _mm256_add_pd(_mm256_load_pd(torque), ti));
+        let torque = second.add(4);
+        _mm256_store_pd(second, _mm256_sub_pd(_mm256_load_pd(second), f));
+        _mm256_store_pd(torque, _mm256_add_pd(_mm256_load_pd(torque), tj));
+    }
 }

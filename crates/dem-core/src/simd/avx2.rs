@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::avx::{pack_fours, put_quad, quad, sums_at};
+use super::avx::{add_pair, mask4, pack_fours, pack_own_fours, put_quad, quad, sums_at, transpose};
 use super::lanes::{Lanes, Numbers};
 
 /// Eight lanes of two AVX2 registers, likewise.
@@ -41,37 +41,6 @@ impl<const FUSED: bool> Neg for Pair<FUSED> {
     }
 }
 
-/// Four bits as a mask of four lanes.
-///
-/// # Safety
-/// AVX2 is there.
-#[inline(always)]
-unsafe fn mask4(bits: u8) -> __m256d {
-    // SAFETY: by the caller.
-    unsafe {
-        let lane = _mm256_setr_epi64x(1, 2, 4, 8);
-        let all = _mm256_set1_epi64x(i64::from(bits));
-        _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(all, lane), lane))
-    }
-}
-
-/// # Safety
-/// AVX is there.
-#[inline(always)]
-unsafe fn transpose(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> [__m256d; 4] {
-    // SAFETY: by the caller.
-    unsafe {
-        let (xz, yw) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
-        let (xz2, yw2) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
-        [
-            _mm256_permute2f128_pd::<0x20>(xz, xz2),
-            _mm256_permute2f128_pd::<0x20>(yw, yw2),
-            _mm256_permute2f128_pd::<0x31>(xz, xz2),
-            _mm256_permute2f128_pd::<0x31>(yw, yw2),
-        ]
-    }
-}
-
 /// The first four of eight quads from their fields.
 ///
 /// # Safety
@@ -90,24 +59,6 @@ unsafe fn lower_rows<const FUSED: bool>([x, y, z, w]: [Pair<FUSED>; 4]) -> [__m2
 unsafe fn upper_rows<const FUSED: bool>([x, y, z, w]: [Pair<FUSED>; 4]) -> [__m256d; 4] {
     // SAFETY: by the caller.
     unsafe { transpose(x.1, y.1, z.1, w.1) }
-}
-
-/// Add force and torques of one contact to the sums of both spheres.
-///
-/// # Safety
-/// AVX is there and both sums can be written.
-#[inline(always)]
-unsafe fn add_pair(to: *mut f64, at: [u32; 2], [f, ti, tj]: [__m256d; 3]) {
-    // SAFETY: by the caller; sums lie at multiples of 64.
-    unsafe {
-        let (first, second) = (to.add(at[0] as usize), to.add(at[1] as usize));
-        let torque = first.add(4);
-        _mm256_store_pd(first, _mm256_add_pd(_mm256_load_pd(first), f));
-        _mm256_store_pd(torque, _mm256_add_pd(_mm256_load_pd(torque), ti));
-        let torque = second.add(4);
-        _mm256_store_pd(second, _mm256_sub_pd(_mm256_load_pd(second), f));
-        _mm256_store_pd(torque, _mm256_add_pd(_mm256_load_pd(torque), tj));
-    }
 }
 
 // SAFETY of all blocks below: values exist only where AVX2 was detected; references to arrays of
@@ -184,6 +135,15 @@ impl<const FUSED: bool> Numbers for Pair<FUSED> {
             )
         }
     }
+    #[inline(always)]
+    fn one_by_one(self, f: fn(f64) -> f64) -> Self {
+        let mut each = [0.0; 8];
+        self.store(&mut each);
+        for x in &mut each {
+            *x = f(*x);
+        }
+        Self::load(&each)
+    }
 }
 
 // SAFETY: as above.
@@ -200,9 +160,9 @@ impl<const FUSED: bool> Lanes for Pair<FUSED> {
         }
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
+    unsafe fn quads<const EACH: usize>(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
         unsafe {
-            let r = |k: usize| quad(from, p[k]);
+            let r = |k: usize| quad::<EACH>(from, p[k]);
             let low = transpose(r(0), r(1), r(2), r(3));
             let high = transpose(r(4), r(5), r(6), r(7));
             std::array::from_fn(|k| Self(low[k], high[k]))
@@ -244,9 +204,18 @@ impl<const FUSED: bool> Lanes for Pair<FUSED> {
         unsafe { pack_fours(places, order, to) }
     }
     #[inline(always)]
-    unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
+    fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+        unsafe { pack_own_fours(begin, order, to) }
+    }
+    #[inline(always)]
+    unsafe fn differences<const EACH: usize>(
+        from: *const f64,
+        of: &[u32; 8],
+        less: &[u32; 8],
+    ) -> [Self; 4] {
         unsafe {
-            let r = |k: usize| _mm256_sub_pd(quad(from, of[k]), quad(from, less[k]));
+            let r =
+                |k: usize| _mm256_sub_pd(quad::<EACH>(from, of[k]), quad::<EACH>(from, less[k]));
             let low = transpose(r(0), r(1), r(2), r(3));
             let high = transpose(r(4), r(5), r(6), r(7));
             std::array::from_fn(|k| Self(low[k], high[k]))

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::avx::{pack_fours, put_quad, quad, sums_at};
+use super::avx::{pack_fours, pack_own_fours, put_quad, quad, sums_at};
 use super::lanes::{Lanes, Numbers};
 
 /// Eight lanes of one AVX-512 register, whose products are rounded before they are added unless `FUSED`.
@@ -43,11 +43,11 @@ impl<const FUSED: bool> Neg for Wide<FUSED> {
 /// # Safety
 /// AVX-512 is there and the numbers of every quad can be read.
 #[inline(always)]
-unsafe fn rows(from: *const f64, p: &[u32; 8], k: usize) -> __m512d {
+unsafe fn rows<const EACH: usize>(from: *const f64, p: &[u32; 8], k: usize) -> __m512d {
     // SAFETY: by the caller.
     unsafe {
-        let low = _mm512_castpd256_pd512(quad(from, p[k]));
-        _mm512_insertf64x4::<1>(low, quad(from, p[k + 4]))
+        let low = _mm512_castpd256_pd512(quad::<EACH>(from, p[k]));
+        _mm512_insertf64x4::<1>(low, quad::<EACH>(from, p[k + 4]))
     }
 }
 
@@ -173,6 +173,15 @@ impl<const FUSED: bool> Numbers for Wide<FUSED> {
     fn select(self, mask: u8, other: Self) -> Self {
         Self(unsafe { _mm512_mask_blend_pd(mask, other.0, self.0) })
     }
+    #[inline(always)]
+    fn one_by_one(self, f: fn(f64) -> f64) -> Self {
+        let mut each = [0.0; 8];
+        self.store(&mut each);
+        for x in &mut each {
+            *x = f(*x);
+        }
+        Self::load(&each)
+    }
 }
 
 // SAFETY: as above.
@@ -186,10 +195,10 @@ impl<const FUSED: bool> Lanes for Wide<FUSED> {
         unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
+    unsafe fn quads<const EACH: usize>(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
         unsafe {
-            let (a, b) = (rows(from, p, 0), rows(from, p, 1));
-            columns([a, b, rows(from, p, 2), rows(from, p, 3)])
+            let (a, b) = (rows::<EACH>(from, p, 0), rows::<EACH>(from, p, 1));
+            columns([a, b, rows::<EACH>(from, p, 2), rows::<EACH>(from, p, 3)])
         }
     }
     #[inline(always)]
@@ -231,13 +240,21 @@ impl<const FUSED: bool> Lanes for Wide<FUSED> {
         unsafe { pack_fours(places, order, to) }
     }
     #[inline(always)]
-    unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4] {
+    fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+        unsafe { pack_own_fours(begin, order, to) }
+    }
+    #[inline(always)]
+    unsafe fn differences<const EACH: usize>(
+        from: *const f64,
+        of: &[u32; 8],
+        less: &[u32; 8],
+    ) -> [Self; 4] {
         unsafe {
             columns([
-                _mm512_sub_pd(rows(from, of, 0), rows(from, less, 0)),
-                _mm512_sub_pd(rows(from, of, 1), rows(from, less, 1)),
-                _mm512_sub_pd(rows(from, of, 2), rows(from, less, 2)),
-                _mm512_sub_pd(rows(from, of, 3), rows(from, less, 3)),
+                _mm512_sub_pd(rows::<EACH>(from, of, 0), rows::<EACH>(from, less, 0)),
+                _mm512_sub_pd(rows::<EACH>(from, of, 1), rows::<EACH>(from, less, 1)),
+                _mm512_sub_pd(rows::<EACH>(from, of, 2), rows::<EACH>(from, less, 2)),
+                _mm512_sub_pd(rows::<EACH>(from, of, 3), rows::<EACH>(from, less, 3)),
             ])
         }
     }

@@ -24,7 +24,7 @@ pub(super) trait Blocks: Numbers {
     ///
     /// # Safety
     /// All of them can be read.
-    unsafe fn quads(from: *const f64, at: &[[u32; 8]]) -> [Self; 4];
+    unsafe fn quads<const EACH: usize>(from: *const f64, at: &[[u32; 8]]) -> [Self; 4];
     /// As [`Lanes::put_quads`], block by block.
     ///
     /// # Safety
@@ -45,7 +45,11 @@ pub(super) trait Blocks: Numbers {
     ///
     /// # Safety
     /// All of them can be read.
-    unsafe fn differences(from: *const f64, of: &[[u32; 8]], less: &[[u32; 8]]) -> [Self; 4];
+    unsafe fn differences<const EACH: usize>(
+        from: *const f64,
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
+    ) -> [Self; 4];
 }
 
 impl<V: Lanes> Blocks for V {
@@ -69,9 +73,9 @@ impl<V: Lanes> Blocks for V {
         all
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, at: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn quads<const EACH: usize>(from: *const f64, at: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
-        unsafe { <V as Lanes>::quads(from, &at[0]) }
+        unsafe { <V as Lanes>::quads::<EACH>(from, &at[0]) }
     }
     #[inline(always)]
     unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[[u32; 8]]) {
@@ -90,9 +94,13 @@ impl<V: Lanes> Blocks for V {
         unsafe { <V as Lanes>::add_wrenches(wrenches, to, within, &first[0], &second[0]) }
     }
     #[inline(always)]
-    unsafe fn differences(from: *const f64, of: &[[u32; 8]], less: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn differences<const EACH: usize>(
+        from: *const f64,
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
+    ) -> [Self; 4] {
         // SAFETY: by the caller.
-        unsafe { <V as Lanes>::differences(from, &of[0], &less[0]) }
+        unsafe { <V as Lanes>::differences::<EACH>(from, &of[0], &less[0]) }
     }
 }
 
@@ -203,6 +211,10 @@ impl<V: Lanes> Numbers for Two<V> {
     fn select(self, mask: TwoBits, o: Self) -> Self {
         Self(self.0.select(mask.0, o.0), self.1.select(mask.1, o.1))
     }
+    #[inline(always)]
+    fn one_by_one(self, f: fn(f64) -> f64) -> Self {
+        Self(self.0.one_by_one(f), self.1.one_by_one(f))
+    }
 }
 
 /// The fields of two blocks, field by field.
@@ -236,11 +248,11 @@ impl<V: Lanes> Blocks for Two<V> {
         all
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, at: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn quads<const EACH: usize>(from: *const f64, at: &[[u32; 8]]) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {
-            let first = <V as Lanes>::quads(from, &at[0]);
-            joined(first, <V as Lanes>::quads(from, &at[1]))
+            let first = <V as Lanes>::quads::<EACH>(from, &at[0]);
+            joined(first, <V as Lanes>::quads::<EACH>(from, &at[1]))
         }
     }
     #[inline(always)]
@@ -270,11 +282,15 @@ impl<V: Lanes> Blocks for Two<V> {
         }
     }
     #[inline(always)]
-    unsafe fn differences(from: *const f64, of: &[[u32; 8]], less: &[[u32; 8]]) -> [Self; 4] {
+    unsafe fn differences<const EACH: usize>(
+        from: *const f64,
+        of: &[[u32; 8]],
+        less: &[[u32; 8]],
+    ) -> [Self; 4] {
         // SAFETY: by the caller.
         unsafe {
-            let first = <V as Lanes>::differences(from, &of[0], &less[0]);
-            joined(first, <V as Lanes>::differences(from, &of[1], &less[1]))
+            let first = <V as Lanes>::differences::<EACH>(from, &of[0], &less[0]);
+            joined(first, <V as Lanes>::differences::<EACH>(from, &of[1], &less[1]))
         }
     }
 }

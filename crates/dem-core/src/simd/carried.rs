@@ -5,18 +5,20 @@
 //! those need two and a root: a spring leaves its plane by so little in a step that its length comes from a
 //! series, and the reciprocals of its length and of its stiffness come from that of their product.
 
-use super::blocks::Blocks;
-use super::lanes::{Mask, V3};
+use super::lanes::{Mask, Numbers, V3};
 use crate::contact::spring::{COSINE, SINE};
 
-/// What eight contacts remember.
+/// What contacts remember: force of the spring and its signed stiffness.
 #[derive(Clone, Copy)]
-pub(super) struct Before<V> {
-    /// Force of the spring and its signed stiffness.
+pub(super) struct Remembered<V> {
     pub(super) spring: V3<V>,
     pub(super) stiffness: V,
-    /// Part of the force along the normal, and reciprocals of its square and of the stiffness without its
-    /// sign: of fused kernels alone.
+}
+
+/// What fused kernels find out about it beforehand; exact ones nothing.
+#[derive(Clone, Copy)]
+pub(super) struct Before<V> {
+    /// Part of the force along the normal, and reciprocals of its square and of the stiffness without its sign.
     along: V,
     over_square: V,
     over_stiffness: V,
@@ -35,32 +37,25 @@ const LENGTHS: [f64; 3] = [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0];
 /// Largest twist, rad, for the short series of fused kernels: the next terms are 2e-16 of a sine and 3e-21.
 const SMALL_TWIST: f64 = 0.01;
 
-impl<V: Blocks> Before<V> {
+impl<V: Numbers> Before<V> {
     /// In exact kernels.
     #[inline(always)]
-    pub(super) fn exact(spring: V3<V>, stiffness: V) -> Self {
+    pub(super) fn nothing() -> Self {
         let none = V::splat(0.0);
-        Self { spring, stiffness, along: none, over_square: none, over_stiffness: none }
+        Self { along: none, over_square: none, over_stiffness: none }
     }
 
     /// In fused kernels, beside the reciprocal of `more`, with which the division is shared; `along` yields the
     /// part of the spring along the normal from that reciprocal.
     #[inline(always)]
-    pub(super) fn fused(
-        spring: V3<V>,
-        stiffness: V,
-        more: V,
-        along: impl FnOnce(V) -> V,
-    ) -> (Self, V) {
+    pub(super) fn fused(old: &Remembered<V>, more: V, along: impl FnOnce(V) -> V) -> (Self, V) {
         let least = V::splat(LEAST);
-        let square = spring.dot(spring).max(least);
-        let size = stiffness.abs().max(least);
+        let square = old.spring.dot(old.spring).max(least);
+        let size = old.stiffness.abs().max(least);
         let both = square * size;
         let over_all = V::splat(1.0) / (both * more);
         let (over_more, over_both) = (over_all * both, over_all * more);
         let before = Self {
-            spring,
-            stiffness,
             along: along(over_more),
             over_square: over_both * size,
             over_stiffness: over_both * square,
@@ -71,16 +66,24 @@ impl<V: Blocks> Before<V> {
     /// The spring's force now, before slip, where the stiffness is `k` and the contact has turned by `twist` about
     /// its `normal`; of the old stiffness's share at most `most` is kept. `used` are the lanes that matter.
     #[inline(always)]
-    pub(super) fn carried(&self, normal: V3<V>, twist: V, k: V, most: f64, used: V::Mask) -> V3<V> {
+    pub(super) fn carried(
+        &self,
+        remembered: &Remembered<V>,
+        normal: V3<V>,
+        twist: V,
+        k: V,
+        most: f64,
+        used: V::Mask,
+    ) -> V3<V> {
+        let old = remembered.spring;
         let (zero, tiny) = (V::splat(0.0), V::splat(f64::MIN_POSITIVE));
         if V::FUSED {
-            let flat = self.spring.less_times(normal, self.along);
+            let flat = old.less_times(normal, self.along);
             let share = (k * self.over_stiffness).min(V::splat(most));
-            let [sin, cos] = self.turned_at_length(flat, twist, used);
+            let [sin, cos] = self.turned_at_length(old, flat, twist, used);
             // The cross product of the normal with its own part of the spring is nothing.
-            return flat.times_plus(cos * share, normal.cross(self.spring) * (sin * share));
+            return flat.times_plus(cos * share, normal.cross(old) * (sin * share));
         }
-        let old = self.spring;
         let flat = old.less_times(normal, old.dot(normal));
         let (flat2, size2) = (flat.dot(flat), old.dot(old));
         let alive = zero.less(flat2);
@@ -88,13 +91,13 @@ impl<V: Blocks> Before<V> {
         let (sin, cos) = small_sin_cos(twist, used & alive);
         let carried = normal.cross(flat).times_plus(sin, flat * cos).select(alive, V3::splat(0.0));
         // A new contact carries nothing, so that its share need only be finite.
-        let share = (k / self.stiffness.abs().max(tiny)).min(V::splat(most));
+        let share = (k / remembered.stiffness.abs().max(tiny)).min(V::splat(most));
         carried * share
     }
 
     /// Sine and cosine of the twist, both times the old length of the spring over that of its part in the plane.
     #[inline(always)]
-    fn turned_at_length(&self, flat: V3<V>, twist: V, used: V::Mask) -> [V; 2] {
+    fn turned_at_length(&self, spring: V3<V>, flat: V3<V>, twist: V, used: V::Mask) -> [V; 2] {
         let one = V::splat(1.0);
         let lost = self.along * self.along * self.over_square;
         let (a1, a2, a3) = (V::splat(LENGTHS[0]), V::splat(LENGTHS[1]), V::splat(LENGTHS[2]));
@@ -111,7 +114,7 @@ impl<V: Blocks> Before<V> {
         }
         let (sin, cos) = large_sin_cos(twist, sin, cos, large);
         let (flat2, zero) = (flat.dot(flat), V::splat(0.0));
-        let far_length = (self.spring.dot(self.spring) / flat2).sqrt();
+        let far_length = (spring.dot(spring) / flat2).sqrt();
         // A spring along the normal has no direction left.
         let far_length = far_length.select(zero.less(flat2), zero);
         let length = far_length.select(far, length);
@@ -122,7 +125,7 @@ impl<V: Blocks> Before<V> {
 /// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that
 /// matter.
 #[inline(always)]
-fn small_sin_cos<V: Blocks>(x: V, used: V::Mask) -> (V, V) {
+fn small_sin_cos<V: Numbers>(x: V, used: V::Mask) -> (V, V) {
     let one = V::splat(1.0);
     let x2 = x * x;
     // Not by `map`: its closure would not be compiled for the instructions of the kernel.
@@ -139,16 +142,15 @@ fn small_sin_cos<V: Blocks>(x: V, used: V::Mask) -> (V, V) {
 
 /// The lanes of large twists by the library's functions.
 #[cold]
-fn large_sin_cos<V: Blocks>(x: V, sin: V, cos: V, large: V::Mask) -> (V, V) {
-    let each = x.each();
-    let (sines, cosines) = (V::of(|b, l| each[b][l].sin()), V::of(|b, l| each[b][l].cos()));
+fn large_sin_cos<V: Numbers>(x: V, sin: V, cos: V, large: V::Mask) -> (V, V) {
+    let (sines, cosines) = (x.one_by_one(f64::sin), x.one_by_one(f64::cos));
     (sines.select(large, sin), cosines.select(large, cos))
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::super::avx2::Pair;
-    use super::super::lanes::{Lanes, Numbers};
+    use super::super::lanes::Lanes;
     use super::super::{Level, widened};
     use super::*;
     use crate::contact::spring::transport_vector;
@@ -177,11 +179,13 @@ mod tests {
                 // The division is shared with that by the square of the distance of centres.
                 let square: V = Numbers::splat(3.6e-5);
                 let stiffness: V = Numbers::splat(-before);
-                let (own, over) = Before::fused(spring, stiffness, square, |_| spring.dot(n));
+                let old = Remembered { spring, stiffness };
+                let (own, over) = Before::fused(&old, square, |_| spring.dot(n));
                 let mut unit = [0.0; 8];
                 (over * square).store(&mut unit);
                 assert!(unit.iter().all(|u| (u - 1.0).abs() < 1e-15), "{unit:?}");
-                let carried = own.carried(n, Numbers::splat(twist), Numbers::splat(k), 1.0, 0xff);
+                let (twist, k) = (Numbers::splat(twist), Numbers::splat(k));
+                let carried = own.carried(&old, n, twist, k, 1.0, 0xff);
                 carried.x.store(&mut out[0]);
                 carried.y.store(&mut out[1]);
                 carried.z.store(&mut out[2]);

@@ -6,9 +6,12 @@
 //! `mindlin_total_spring.rs`, `rolling/constant_torque.rs` and `absolute_spin.rs`, `cohesion/sjkr.rs` and
 //! `contact/model.rs`. Whoever changes one of them changes this
 //! too: `simd_and_portable_kernels_agree_bit_by_bit` tells.
+//!
+//! The laws come in three parts, each of which needs what the part before it found: [`press`], [`would_be`],
+//! [`answer`]. [`respond`] is all three at once, `staged.rs` goes part by part.
 
 use super::blocks::Blocks;
-use super::carried::{Before, LEAST};
+use super::carried::{Before, LEAST, Remembered};
 use super::lanes::{Mask, Numbers, V3};
 use super::{Constants, Form};
 
@@ -34,6 +37,11 @@ impl Features {
         form: Form { total_spring: false, absolute_spin: false },
         clumps: false,
     };
+
+    /// Forms of the laws.
+    pub(super) fn form(self) -> Form {
+        self.form
+    }
 
     /// Those of a table of laws.
     pub(crate) fn of(all: &[Constants], clumps: bool) -> Self {
@@ -68,26 +76,12 @@ pub(super) struct Laws<V> {
     dashpot: V,
 }
 
-impl<V: Blocks> Laws<V> {
+impl<V: Numbers> Laws<V> {
     #[inline(always)]
     pub(super) fn splat(c: &Constants) -> Self {
         Self::from(
             #[inline(always)]
             |f| V::splat(f(c)),
-        )
-    }
-
-    /// By block and lane.
-    #[inline(always)]
-    pub(super) fn lanes<'c>(each: impl Fn(usize, usize) -> &'c Constants) -> Self {
-        Self::from(
-            #[inline(always)]
-            |f| {
-                V::of(
-                    #[inline(always)]
-                    |block, lane| f(each(block, lane)),
-                )
-            },
         )
     }
 
@@ -119,28 +113,59 @@ impl<V: Blocks> Laws<V> {
     }
 }
 
-/// Relative motion of eight contacts.
+impl<V: Blocks> Laws<V> {
+    /// By block and lane.
+    #[inline(always)]
+    pub(super) fn lanes<'c>(each: impl Fn(usize, usize) -> &'c Constants) -> Self {
+        Self::from(
+            #[inline(always)]
+            |f| {
+                V::of(
+                    #[inline(always)]
+                    |block, lane| f(each(block, lane)),
+                )
+            },
+        )
+    }
+}
+
+/// How the surfaces of contacts are pressed together.
+#[derive(Clone, Copy)]
+pub(super) struct Pressing<V> {
+    pub(super) overlap: V,
+    pub(super) rate: V,
+    pub(super) r_star: V,
+    pub(super) m_star: V,
+}
+
+/// What pressing gives.
+#[derive(Clone, Copy)]
+pub(super) struct Pressed<V> {
+    /// Normal force, without any pull.
+    force: V,
+    /// Of the shear spring, and of its dashpot.
+    stiffness: V,
+    dashpot: V,
+}
+
+/// Relative motion of contacts.
 #[derive(Clone, Copy)]
 pub(super) struct Motion<V> {
     pub(super) normal: V3<V>,
-    pub(super) overlap: V,
-    pub(super) rate: V,
     pub(super) slip: V3<V>,
+    /// Part of the difference of spins across the normal.
+    pub(super) rolling: V3<V>,
     pub(super) spin_i: V3<V>,
     pub(super) spin_j: V3<V>,
-    /// Part of the difference of spins along the normal.
-    pub(super) spin_along: V,
     pub(super) lever_i: V,
     pub(super) lever_j: V,
+    pub(super) overlap: V,
     pub(super) r_star: V,
-    pub(super) m_star: V,
     pub(super) radius_i: V,
     pub(super) radius_j: V,
-    pub(super) twist: V,
-    pub(super) dt: V,
 }
 
-/// Wrenches of eight contacts.
+/// Wrenches of contacts.
 pub(super) struct Out<V> {
     pub(super) force: V3<V>,
     pub(super) torque_i: V3<V>,
@@ -150,18 +175,19 @@ pub(super) struct Out<V> {
     pub(super) stiffness: V,
 }
 
-/// Hold `trial` to `bound` where it exceeds `threshold`; returns it and the lanes, of those that matter, that
-/// slide.
+/// Hold `trial` to `bound` where it exceeds `threshold`, as is `rare` or not; returns it and the lanes, of those that
+/// matter, that slide.
 #[inline(always)]
 fn limit<V: Numbers, const FAST: bool>(
     trial: V3<V>,
     threshold: V,
     bound: V,
     used: V::Mask,
+    rare: bool,
 ) -> (V3<V>, V::Mask) {
     let size2 = trial.dot(trial);
     let slides = (threshold * threshold).less(size2) & used;
-    if slides.is_empty() {
+    if (rare || !V::FEW) && slides.is_empty() {
         return (trial, slides);
     }
     let scaled = trial * over_root::<V, FAST>(bound, size2);
@@ -183,8 +209,8 @@ fn over_root<V: Numbers, const FAST: bool>(x: V, square: V) -> V {
 
 /// Simplified JKR.
 #[inline(always)]
-fn pull<V: Numbers>(m: &Motion<V>, energy_density: V, d: V) -> V {
-    let (one, two) = (V::splat(1.0), V::splat(2.0));
+fn pull<V: Numbers>(m: &Motion<V>, energy_density: V) -> V {
+    let (one, two, d) = (V::splat(1.0), V::splat(2.0), m.overlap.max(V::splat(0.0)));
     let (r, kappa) = (m.radius_i, one / m.radius_j);
     let sum = r * kappa + one;
     let distance = sum - d * kappa;
@@ -210,21 +236,13 @@ fn against<V: Numbers, const FAST: bool>(spin: V3<V>, limit: V) -> V3<V> {
     }
 }
 
-/// The laws, of spheres that are `ALIKE` or of any two.
+/// Hertz, and both dashpots.
 #[inline(always)]
-pub(super) fn respond<V: Blocks, const FAST: bool, const ALIKE: bool>(
-    m: &Motion<V>,
-    laws: &Laws<V>,
-    features: Features,
-    before: &Before<V>,
-    touching: V::Mask,
-) -> Out<V> {
-    let (zero, n) = (V::splat(0.0), m.normal);
-    // Hertz.
-    let delta = m.overlap.max(zero);
-    let a = (m.r_star * delta).sqrt();
+pub(super) fn press<V: Numbers>(p: &Pressing<V>, laws: &Laws<V>) -> Pressed<V> {
+    let delta = p.overlap.max(V::splat(0.0));
+    let a = (p.r_star * delta).sqrt();
     // Both dashpots go with the root of mass times contact radius.
-    let inertia = (m.m_star * a).sqrt();
+    let inertia = (p.m_star * a).sqrt();
     let (elastic, viscosity, dashpot) = if V::FUSED {
         (laws.hertz * delta * a, laws.viscous * inertia, laws.dashpot * inertia)
     } else {
@@ -233,29 +251,57 @@ pub(super) fn respond<V: Blocks, const FAST: bool, const ALIKE: bool>(
         let viscosity = laws.normal_damping * (inertia * laws.normal_root);
         (elastic, viscosity, laws.shear_damping * (inertia * laws.shear_root))
     };
-    let normal = viscosity.times_plus(m.rate, elastic).max(laws.least_force);
+    Pressed {
+        force: viscosity.times_plus(p.rate, elastic).max(laws.least_force),
+        stiffness: V::splat(8.0) * laws.g_star * a,
+        dashpot,
+    }
+}
+
+/// Mindlin's spring, if nothing slid: `carried` over from before, as `before` tells.
+#[inline(always)]
+pub(super) fn would_be<V: Numbers>(
+    [normal, slip]: [V3<V>; 2],
+    twist: V,
+    dt: V,
+    pressed: &Pressed<V>,
+    (old, before): (&Remembered<V>, &Before<V>),
+    form: Form,
+    touching: V::Mask,
+) -> V3<V> {
+    let k = pressed.stiffness;
+    let most = if form.total_spring { f64::MAX } else { 1.0 };
+    let carried = before.carried(old, normal, twist, k, most, touching);
+    if V::FUSED { carried.less_times(slip, k * dt) } else { carried.less_times(slip * dt, k) }
+}
+
+/// Friction, rolling and what follows, of spheres that are `ALIKE` or of any two: `trial` is the spring if nothing
+/// slid, `old` the stiffness that is remembered.
+#[inline(always)]
+pub(super) fn answer<V: Numbers, const FAST: bool, const ALIKE: bool>(
+    m: &Motion<V>,
+    laws: &Laws<V>,
+    features: Features,
+    pressed: &Pressed<V>,
+    trial: V3<V>,
+    old: V,
+    touching: V::Mask,
+) -> Out<V> {
+    let (zero, n) = (V::splat(0.0), m.normal);
+    let Pressed { force: normal, stiffness: k, dashpot } = *pressed;
     let load = normal.max(zero);
-    // Mindlin.
-    let k = V::splat(8.0) * laws.g_star * a;
-    let most = if features.form.total_spring { f64::MAX } else { 1.0 };
-    let carried = before.carried(n, m.twist, k, most, touching);
-    let trial = if V::FUSED {
-        carried.less_times(m.slip, k * m.dt)
-    } else {
-        carried.less_times(m.slip * m.dt, k)
-    };
     let sticking = laws.friction * load;
     let (threshold, bound) = if features.stick_slip {
         let sliding = laws.kinetic * load;
-        (sliding.select(before.stiffness.less(zero), sticking), sliding)
+        (sliding.select(old.less(zero), sticking), sliding)
     } else {
         (sticking, sticking)
     };
-    let (spring, sliding) = limit::<V, FAST>(trial, threshold, bound, touching);
+    let (spring, sliding) = limit::<V, FAST>(trial, threshold, bound, touching, false);
     let sticks_damped = touching & !sliding & zero.less(dashpot);
     // Sliding contacts are at the limit already and have no dashpot: few are left here.
-    let (damped, _) =
-        limit::<V, FAST>(spring.less_times(m.slip, dashpot), sticking, sticking, sticks_damped);
+    let damped = spring.less_times(m.slip, dashpot);
+    let (damped, _) = limit::<V, FAST>(damped, sticking, sticking, sticks_damped, true);
     let shear = damped.select(sticks_damped, spring);
     let moment = n.cross(shear);
     // Rolling.
@@ -266,9 +312,8 @@ pub(super) fn respond<V: Blocks, const FAST: bool, const ALIKE: bool>(
         let roll_j = against::<V, FAST>(m.spin_j, limit_j);
         (moment.times_plus(m.lever_i, roll_i), moment.times_plus(m.lever_j, roll_j))
     } else {
-        let spin = m.spin_i - m.spin_j;
         let arm = laws.arm_ratio.times_plus(m.r_star, laws.arm_length);
-        let roll = against::<V, FAST>(spin.less_times(n, m.spin_along), arm * load);
+        let roll = against::<V, FAST>(m.rolling, arm * load);
         if ALIKE {
             let both = moment * m.lever_i;
             (both + roll, both - roll)
@@ -276,8 +321,7 @@ pub(super) fn respond<V: Blocks, const FAST: bool, const ALIKE: bool>(
             (moment.times_plus(m.lever_i, roll), moment.times_less(m.lever_j, roll))
         }
     };
-    let repulsion =
-        if features.cohesive { normal - pull(m, laws.energy_density, delta) } else { normal };
+    let repulsion = if features.cohesive { normal - pull(m, laws.energy_density) } else { normal };
     Out {
         force: shear.less_times(n, repulsion),
         torque_i,
@@ -285,4 +329,20 @@ pub(super) fn respond<V: Blocks, const FAST: bool, const ALIKE: bool>(
         spring,
         stiffness: (-k).select(sliding, k),
     }
+}
+
+/// The laws in one go.
+#[inline(always)]
+pub(super) fn respond<V: Numbers, const FAST: bool, const ALIKE: bool>(
+    (m, pressing): (&Motion<V>, &Pressing<V>),
+    [twist, dt]: [V; 2],
+    laws: &Laws<V>,
+    features: Features,
+    (old, before): (&Remembered<V>, &Before<V>),
+    touching: V::Mask,
+) -> Out<V> {
+    let pressed = press(pressing, laws);
+    let motion = [m.normal, m.slip];
+    let trial = would_be(motion, twist, dt, &pressed, (old, before), features.form, touching);
+    answer::<V, FAST, ALIKE>(m, laws, features, &pressed, trial, old.stiffness, touching)
 }

@@ -23,6 +23,8 @@ pub(crate) trait Numbers:
     type Mask: Mask;
     /// Whether a product is added to something without being rounded first.
     const FUSED: bool = false;
+    /// Whether lanes are so few that what one in two groups needs is done for all rather than asked about.
+    const FEW: bool = false;
     /// The same number in every lane.
     fn splat(x: f64) -> Self;
     /// `self * factor + o`; rounded once where the numbers are fused.
@@ -51,6 +53,8 @@ pub(crate) trait Numbers:
     fn less(self, other: Self) -> Self::Mask;
     /// `self` in the lanes of `mask`, `other` elsewhere.
     fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// A function of each by itself: slow.
+    fn one_by_one(self, f: fn(f64) -> f64) -> Self;
 }
 
 /// Bits of lanes.
@@ -110,17 +114,21 @@ impl Numbers for f64 {
     fn select(self, mask: bool, other: Self) -> Self {
         if mask { self } else { other }
     }
+    #[inline(always)]
+    fn one_by_one(self, f: fn(f64) -> f64) -> Self {
+        f(self)
+    }
 }
 
 /// Eight numbers in one or several registers.
 pub(crate) trait Lanes: Numbers<Mask = u8> {
     fn load(from: &[f64; 8]) -> Self;
     fn store(self, to: &mut [f64; 8]);
-    /// Four numbers from each of eight places on, one vector for each of the four.
+    /// Four numbers from `EACH` times each of eight places on, one vector for each of the four.
     ///
     /// # Safety
     /// All of them can be read.
-    unsafe fn quads(from: *const f64, at: &[u32; 8]) -> [Self; 4];
+    unsafe fn quads<const EACH: usize>(from: *const f64, at: &[u32; 8]) -> [Self; 4];
     /// Put them there.
     ///
     /// # Safety
@@ -139,13 +147,19 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
         first: &[u32; 8],
         second: &[u32; 8],
     );
-    /// Four numbers from each of eight places on, less those from eight others on.
+    /// Four numbers from `EACH` times each of eight places on, less those of eight others.
     ///
     /// # Safety
     /// All of them can be read.
-    unsafe fn differences(from: *const f64, of: &[u32; 8], less: &[u32; 8]) -> [Self; 4];
+    unsafe fn differences<const EACH: usize>(
+        from: *const f64,
+        of: &[u32; 8],
+        less: &[u32; 8],
+    ) -> [Self; 4];
     /// Where the numbers of records begin that `order` picks among eight: at four times their places.
     fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
+    /// The same of eight places that follow each other from `begin` on.
+    fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
     /// The records at eight places, one vector a field.
     ///
     /// # Safety
@@ -154,7 +168,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     unsafe fn gather(records: View<'_, Record>, places: &[u32; 8]) -> [Self; 4] {
         debug_assert!(places.iter().all(|p| (*p as usize) < records.len()));
         // SAFETY: by the caller; a record is four numbers.
-        unsafe { Self::quads(records.as_ptr().cast(), &fours(places)) }
+        unsafe { Self::quads::<4>(records.as_ptr().cast(), places) }
     }
     /// Eight records from their fields.
     #[inline(always)]

@@ -13,11 +13,14 @@ mod avx512;
 mod blocks;
 mod carried;
 mod clumps;
+mod half;
 mod hertz_mindlin;
 mod lanes;
+mod meeting;
 mod near;
 mod pairs;
 mod records;
+mod staged;
 mod wall;
 
 use std::any::Any;

@@ -1,7 +1,7 @@
 //! Listed pairs as they lie: which touch, and how far apart the others are. Eight pairs are one block.
 
 use super::Level;
-use super::lanes::{Lanes, fours};
+use super::lanes::Lanes;
 use super::pairs::{PairKernel, difference};
 use crate::neighbour::Period;
 
@@ -119,10 +119,9 @@ impl PairKernel<'_> {
     #[inline(always)]
     unsafe fn apart<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> (V, V) {
         let radius = self.one_size.map(|s| s[0]);
-        let (second, first) = ([fours(second)], [fours(first)]);
         // SAFETY: by the caller.
         let (mut d, [rj, ri]) =
-            unsafe { difference::<V>(self.spheres.position, &second, &first, radius) };
+            unsafe { difference::<V, 4>(self.spheres.position, &[*second], &[*first], radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }

@@ -3,9 +3,10 @@
 
 use super::acting::{Acting, Room};
 use super::blocks::{Blocks, MOST, Two};
-use super::carried::Before;
-use super::hertz_mindlin::{Features, Laws, Motion, Out, respond};
-use super::lanes::V3;
+use super::carried::Remembered;
+use super::hertz_mindlin::{Features, Laws, Motion, Out, Pressing, respond};
+use super::lanes::{Numbers, V3};
+use super::meeting::{Line, Slide, meet, slide};
 use super::{Arithmetic, Constants, Level};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
@@ -46,17 +47,35 @@ struct Block<'a> {
 
 /// Where contacts of a run remember and write: four numbers each.
 #[derive(Clone, Copy)]
-struct Sinks {
-    memory: *mut f64,
-    wrenches: Sink,
+pub(super) struct Sinks {
+    pub(super) memory: *mut f64,
+    pub(super) wrenches: Sink,
 }
 
 #[derive(Clone, Copy)]
-enum Sink {
+pub(super) enum Sink {
     /// Force, torques on the first and on the second sphere.
     Kept([*mut f64; 3]),
     /// The sums, and what of four times a place counts.
     Summed(*mut f64, u32),
+}
+
+impl Sinks {
+    #[inline(always)]
+    fn of(run: &mut Run<'_>) -> Self {
+        Self {
+            memory: run.memory.as_mut_ptr(),
+            wrenches: match &mut run.wrenches {
+                Wrenches::Kept(each) => {
+                    Sink::Kept(each.each_mut().map(|records| records.as_mut_ptr().cast()))
+                }
+                Wrenches::Summed(sums) => {
+                    assert!(sums.len().is_power_of_two(), "places are taken modulo the length");
+                    Sink::Summed(sums.as_mut_ptr().cast(), (sums.len() as u32 - 1) * 4)
+                }
+            },
+        }
+    }
 }
 
 /// What is the same for all pairs of spheres.
@@ -114,6 +133,9 @@ impl PairKernel<'_> {
                 unsafe {
                     let mut room = Room::EMPTY;
                     let acting = k.acting::<Pair<FUSED>>(run, &mut room);
+                    if ALIKE && !MORE {
+                        return k.staged::<FUSED>(&acting, Sinks::of(run), into);
+                    }
                     k.blocks::<Pair<FUSED>, false, ALIKE, MORE>(run, &acting, 0, into);
                 }
             }
@@ -161,18 +183,7 @@ impl PairKernel<'_> {
         let laws = Laws::splat(&self.constants[0]);
         // Not known to the compiler: it would take the exchanges of `put_quads` apart for the sake of a zero.
         let nothing = std::hint::black_box(0.0);
-        let sinks = Sinks {
-            memory: run.memory.as_mut_ptr(),
-            wrenches: match &mut run.wrenches {
-                Wrenches::Kept(each) => {
-                    Sink::Kept(each.each_mut().map(|records| records.as_mut_ptr().cast()))
-                }
-                Wrenches::Summed(sums) => {
-                    assert!(sums.len().is_power_of_two(), "places are taken modulo the length");
-                    Sink::Summed(sums.as_mut_ptr().cast(), (sums.len() as u32 - 1) * 4)
-                }
-            },
-        };
+        let sinks = Sinks::of(run);
         let whole = acting.count.next_multiple_of(8);
         while done + 8 * V::COUNT <= whole {
             let block = Block {
@@ -195,14 +206,20 @@ impl PairKernel<'_> {
 
     /// Note lanes that overlap too deeply, of spheres whose numbers begin there.
     #[cold]
-    fn note_deep(&self, deep: u8, first: &[u32; 8], second: &[u32; 8], into: &mut ChunkYield) {
-        for lane in (0..8).filter(|l| deep >> l & 1 != 0) {
+    pub(super) fn note_deep(&self, deep: u8, first: &[u32], second: &[u32], into: &mut ChunkYield) {
+        for lane in (0..first.len()).filter(|l| deep >> l & 1 != 0) {
             let (i, j) = (first[lane] / 4, second[lane] / 4);
             let (a, b) = (self.spheres.position[i as usize], self.spheres.position[j as usize]);
             let d = crate::neighbour::Period::shortest(self.period, b.vector() - a.vector());
             let overlap = a.w + b.w - d.length();
             into.note_overlap(overlap / a.w.min(b.w), i, j, false);
         }
+    }
+
+    /// Effective radius and mass of two spheres alike.
+    #[inline(always)]
+    pub(super) fn reduced<V: Numbers>([r, m]: [f64; 2]) -> (V, V) {
+        (V::splat(r * r / (r + r)), V::splat(m * m / (m + m)))
     }
 
     /// Compute a block; returns which lanes overlap too deeply.
@@ -225,10 +242,10 @@ impl PairKernel<'_> {
         let (mut d, [rj, ri], places) = unsafe {
             if clumps.is_some() {
                 let from = s.position.as_ptr().cast();
-                let (i, j) = (V::quads(from, b.first), V::quads(from, b.second));
+                let (i, j) = (V::quads::<1>(from, b.first), V::quads::<1>(from, b.second));
                 (V3::of(j) - V3::of(i), [j[3], i[3]], Some([V3::of(i), V3::of(j)]))
             } else {
-                let (d, radii) = difference::<V>(s.position, b.second, b.first, radius);
+                let (d, radii) = difference::<V, 1>(s.position, b.second, b.first, radius);
                 (d, radii, None)
             }
         };
@@ -236,9 +253,6 @@ impl PairKernel<'_> {
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
-        let distance_squared = d.dot(d);
-        let sum = ri + rj;
-        let touching = distance_squared.less(sum * sum) & V::mask(b.valid);
         // SAFETY: by the caller.
         let (approach, [mi, mj], wi, wj, end) = unsafe {
             if let (Some(c), Some([xi, xj])) = (clumps, places) {
@@ -249,10 +263,11 @@ impl PairKernel<'_> {
                 let masses = [i.mean_velocity[3], j.mean_velocity[3]];
                 (approach, masses, i.mean_spin, j.mean_spin, i.end_velocity - j.end_velocity)
             } else {
-                let (approach, masses) = difference::<V>(s.mean_velocity, b.first, b.second, mass);
+                let (approach, masses) =
+                    difference::<V, 1>(s.mean_velocity, b.first, b.second, mass);
                 let spins = s.mean_spin.as_ptr().cast();
-                let end = V::differences(s.end_velocity.as_ptr().cast(), b.first, b.second);
-                let (wi, wj) = (V::quads(spins, b.first), V::quads(spins, b.second));
+                let end = V::differences::<1>(s.end_velocity.as_ptr().cast(), b.first, b.second);
+                let (wi, wj) = (V::quads::<1>(spins, b.first), V::quads::<1>(spins, b.second));
                 (approach, masses, wi, wj, V3::of(end))
             }
         };
@@ -268,70 +283,42 @@ impl PairKernel<'_> {
         };
         let (wi, wj) = (V3::of(wi), V3::of(wj));
         // SAFETY: by the caller.
-        let old = unsafe { V::quads(sinks.memory, b.pair) };
-        let (old, stiffness) = (V3::of(old), old[3]);
-        let (dt, half) = (V::splat(self.dt), V::splat(0.5));
-        let (distance, inverse, before) = if V::FUSED {
-            let (distance, along) = (distance_squared.sqrt(), old.dot(d));
-            let (before, over) = Before::fused(
-                old,
-                stiffness,
-                distance_squared,
-                #[inline(always)]
-                |over| along * (distance * over),
-            );
-            (distance, distance * over, before)
-        } else {
-            let distance = distance_squared.sqrt();
-            (distance, V::splat(1.0) / distance, Before::exact(old, stiffness))
-        };
-        let overlap = sum - distance;
-        let deep = (V::splat(self.overlap_limit) * ri.min(rj)).less(overlap) & touching;
-        let n = d * inverse;
-        // Parts along the normal: fused kernels do not wait for it.
-        let (approaching, rate, spin_sum, spin_along) = if V::FUSED {
-            let along = |v: V3<V>| v.dot(d) * inverse;
-            (along(approach), along(end), along(wi + wj), along(wi - wj))
-        } else {
-            (approach.dot(n), end.dot(n), (wi + wj).dot(n), (wi - wj).dot(n))
-        };
-        let (lever_i, lever_j) = (ri.less_times(half, overlap), rj.less_times(half, overlap));
-        let back = V::splat(0.25 * self.dt) * approaching;
-        let turning = if V::FUSED && ALIKE {
-            (wi + wj) * (lever_i + back)
-        } else {
-            wi.times_plus(lever_i + back, wj * (lever_j + back))
-        };
-        let slip = if V::FUSED {
-            turning.cross_plus(n, approach.less_times(n, approaching))
-        } else {
-            let relative = turning.cross_plus(n, approach);
-            relative.less_times(n, relative.dot(n))
-        };
+        let old = unsafe { V::quads::<1>(sinks.memory, b.pair) };
+        let old = Remembered { spring: V3::of(old), stiffness: old[3] };
+        let met = meet(d, [ri, rj], &old, V::mask(b.valid), self.overlap_limit);
+        let line = Line::of(d, met.inverse);
+        let half = V::splat(0.5);
+        let levers = [ri.less_times(half, met.overlap), rj.less_times(half, met.overlap)];
+        let Slide { slip, rolling, twist } =
+            slide::<V, ALIKE>(&line, approach, [wi, wj], levers, self.dt);
         // Spheres alike: the same operations, once for all lanes.
         let (r_star, m_star) = match size {
-            Some([r, m]) => (V::splat(r * r / (r + r)), V::splat(m * m / (m + m))),
-            None => (ri * rj / sum, mi * mj / (mi + mj)),
+            Some(size) => PairKernel::reduced(size),
+            None => (ri * rj / (ri + rj), mi * mj / (mi + mj)),
         };
         let motion = Motion {
-            normal: n,
-            overlap,
-            rate,
+            normal: line.normal,
             slip,
+            rolling,
             spin_i: wi,
             spin_j: wj,
-            spin_along,
-            lever_i,
-            lever_j,
+            lever_i: levers[0],
+            lever_j: levers[1],
+            overlap: met.overlap,
             r_star,
-            m_star,
             radius_i: ri,
             radius_j: rj,
-            twist: half * spin_sum * dt,
-            dt,
         };
+        let pressing = Pressing { overlap: met.overlap, rate: line.along(end), r_star, m_star };
         let features = if MORE { self.features } else { Features::NONE };
-        let mut out = respond::<V, FAST, ALIKE>(&motion, laws, features, &before, touching);
+        let mut out = respond::<V, FAST, ALIKE>(
+            (&motion, &pressing),
+            [twist, V::splat(self.dt)],
+            laws,
+            features,
+            (&old, &met.before),
+            met.touching,
+        );
         let mut sums = [b.first, b.second];
         if let Some([(first, arm_i), (second, arm_j)]) = &on {
             // Torques about the centres of the bodies, which have the sums.
@@ -340,8 +327,8 @@ impl PairKernel<'_> {
             sums = [&first[..V::COUNT], &second[..V::COUNT]];
         }
         // SAFETY: by the caller.
-        unsafe { store(&b, sinks, sums, touching, &out, nothing) };
-        V::bits(deep)
+        unsafe { store(&b, sinks, sums, met.touching, &out, nothing) };
+        V::bits(met.deep)
     }
 }
 
@@ -378,11 +365,11 @@ pub(super) unsafe fn on_clump<V: Blocks>(
     // SAFETY: by the caller; spheres sit on bodies.
     let (centre, v, w, end, end_spin) = unsafe {
         (
-            V3::of(V::quads(c.centre.as_ptr().cast(), bodies)),
-            V::quads(s.mean_velocity.as_ptr().cast(), bodies),
-            V::quads(s.mean_spin.as_ptr().cast(), bodies),
-            V3::of(V::quads(s.end_velocity.as_ptr().cast(), bodies)),
-            V3::of(V::quads(c.end_spin.as_ptr().cast(), bodies)),
+            V3::of(V::quads::<1>(c.centre.as_ptr().cast(), bodies)),
+            V::quads::<1>(s.mean_velocity.as_ptr().cast(), bodies),
+            V::quads::<1>(s.mean_spin.as_ptr().cast(), bodies),
+            V3::of(V::quads::<1>(s.end_velocity.as_ptr().cast(), bodies)),
+            V3::of(V::quads::<1>(c.end_spin.as_ptr().cast(), bodies)),
         )
     };
     let arm = position - centre;
@@ -391,26 +378,28 @@ pub(super) unsafe fn on_clump<V: Blocks>(
     OnClump { bodies: of_bodies, arm, mean_velocity, mean_spin: w, end_velocity }
 }
 
-/// Vectors of records less those of others, whose numbers begin there, and both scalars, which are `alike` in all
+/// Vectors of records less those of others, whose numbers begin at `EACH` times that, and both scalars, which are `alike` in all
 /// records if given: then only differences are needed, and half as many exchanges.
 ///
 /// # Safety
 /// Four numbers of `records` begin at every place.
 #[inline(always)]
-pub(super) unsafe fn difference<V: Blocks>(
+pub(super) unsafe fn difference<V: Blocks, const EACH: usize>(
     records: View<'_, Record>,
     of: &[[u32; 8]],
     less: &[[u32; 8]],
     alike: Option<f64>,
 ) -> (V3<V>, [V; 2]) {
-    debug_assert!(of.iter().chain(less).flatten().all(|at| (*at as usize) < 4 * records.len()));
+    debug_assert!(
+        of.iter().chain(less).flatten().all(|at| EACH * (*at as usize) < 4 * records.len())
+    );
     let from = records.as_ptr().cast();
     // SAFETY: by the caller; a record is four numbers.
     unsafe {
         match alike {
-            Some(scalar) => (V3::of(V::differences(from, of, less)), [V::splat(scalar); 2]),
+            Some(scalar) => (V3::of(V::differences::<EACH>(from, of, less)), [V::splat(scalar); 2]),
             None => {
-                let (a, b) = (V::quads(from, of), V::quads(from, less));
+                let (a, b) = (V::quads::<EACH>(from, of), V::quads::<EACH>(from, less));
                 (V3::of(a) - V3::of(b), [a[3], b[3]])
             }
         }

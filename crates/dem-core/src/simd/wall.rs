@@ -7,8 +7,8 @@
 
 use glam::DVec3;
 
-use super::carried::Before;
-use super::hertz_mindlin::{Laws, Motion, SLOTS, respond};
+use super::carried::{Before, Remembered};
+use super::hertz_mindlin::{Laws, Motion, Pressing, SLOTS, respond};
 use super::lanes::{Lanes, V3, fours};
 use super::pairs::{PairKernel, on_clump};
 use super::{Arithmetic, Level, widened};
@@ -200,30 +200,37 @@ impl PairKernel<'_> {
         let relative = (w * (lever_i + back)).cross_plus(n, approach);
         let motion = Motion {
             normal: n,
-            overlap,
-            rate: (end - velocity_at(&wall.velocity, point)).dot(n),
             slip: relative.less_times(n, relative.dot(n)),
+            rolling: (w - spin).less_times(n, (w - spin).dot(n)),
             spin_i: w,
             spin_j: spin,
-            spin_along: (w - spin).dot(n),
             lever_i,
             lever_j: zero,
+            overlap,
             r_star: one / (one / radius + one / near.wall_radius),
-            m_star: mass,
             radius_i: radius,
             radius_j: near.wall_radius,
-            twist: V::splat(0.5) * (w + spin).dot(n) * dt,
-            dt,
         };
+        let rate = (end - velocity_at(&wall.velocity, point)).dot(n);
+        let pressing = Pressing { overlap, rate, r_star: motion.r_star, m_star: mass };
+        let twist = V::splat(0.5) * (w + spin).dot(n) * dt;
         let m = &mut g.memory;
-        let old = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
+        let spring = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
+        let old = Remembered { spring, stiffness: V::load(&m[3]) };
         let before = if V::FUSED {
-            let along = old.dot(n);
-            Before::fused(old, V::load(&m[3]), one, |_| along).0
+            let along = old.spring.dot(n);
+            Before::fused(&old, one, |_| along).0
         } else {
-            Before::exact(old, V::load(&m[3]))
+            Before::nothing()
         };
-        let out = respond::<V, FAST, false>(&motion, &laws, self.features, &before, touching);
+        let out = respond::<V, FAST, false>(
+            (&motion, &pressing),
+            [twist, dt],
+            &laws,
+            self.features,
+            (&old, &before),
+            touching,
+        );
         let none = V3::splat(0.0);
         let spring = out.spring.select(touching, none);
         spring.x.store(&mut m[0]);

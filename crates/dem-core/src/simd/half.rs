@@ -1,0 +1,203 @@
+//! Four lanes in one register of AVX2, whose masks are registers, too.
+#![cfg(target_arch = "x86_64")]
+
+use std::arch::x86_64::*;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use super::avx::{mask4, quad, transpose};
+use super::lanes::{Mask, Numbers, V3};
+
+/// Four lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Half<const FUSED: bool>(__m256d);
+
+/// Which of four lanes: all bits of a lane or none.
+#[derive(Clone, Copy)]
+pub(super) struct Which(__m256d);
+
+macro_rules! half {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl<const FUSED: bool> $trait for Half<FUSED> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, o: Self) -> Self {
+                // SAFETY: values of this type exist only where AVX2 was detected.
+                Self(unsafe { $op(self.0, o.0) })
+            }
+        }
+    };
+}
+half!(Add, add, _mm256_add_pd);
+half!(Sub, sub, _mm256_sub_pd);
+half!(Mul, mul, _mm256_mul_pd);
+half!(Div, div, _mm256_div_pd);
+
+impl<const FUSED: bool> Neg for Half<FUSED> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+    }
+}
+
+impl BitAnd for Which {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, o: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_and_pd(self.0, o.0) })
+    }
+}
+
+impl BitOr for Which {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, o: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_or_pd(self.0, o.0) })
+    }
+}
+
+impl Not for Which {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_set1_epi64x(-1))) })
+    }
+}
+
+impl Which {
+    /// The lanes of the lowest four bits.
+    #[inline(always)]
+    pub(super) fn of(bits: u8) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { mask4(bits) })
+    }
+
+    /// One bit a lane.
+    #[inline(always)]
+    pub(super) fn bits(self) -> u8 {
+        // SAFETY: as above.
+        unsafe { _mm256_movemask_pd(self.0) as u8 }
+    }
+}
+
+impl Mask for Which {
+    #[inline(always)]
+    fn is_empty(self) -> bool {
+        self.bits() == 0
+    }
+}
+
+// SAFETY of all blocks below: as above.
+impl<const FUSED: bool> Numbers for Half<FUSED> {
+    type Mask = Which;
+    const FUSED: bool = FUSED;
+    const FEW: bool = true;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self(unsafe { _mm256_set1_pd(x) })
+    }
+    #[inline(always)]
+    fn times_plus(self, f: Self, o: Self) -> Self {
+        if FUSED { Self(unsafe { _mm256_fmadd_pd(self.0, f.0, o.0) }) } else { self * f + o }
+    }
+    #[inline(always)]
+    fn times_less(self, f: Self, o: Self) -> Self {
+        if FUSED { Self(unsafe { _mm256_fmsub_pd(self.0, f.0, o.0) }) } else { self * f - o }
+    }
+    #[inline(always)]
+    fn less_times(self, a: Self, b: Self) -> Self {
+        if FUSED { Self(unsafe { _mm256_fnmadd_pd(a.0, b.0, self.0) }) } else { self - a * b }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(unsafe { _mm256_sqrt_pd(self.0) })
+    }
+    #[inline(always)]
+    fn reciprocal_root(self) -> Self {
+        // AVX2 has no table for doubles.
+        Self::splat(1.0) / self.sqrt()
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn max(self, o: Self) -> Self {
+        Self(unsafe { _mm256_max_pd(self.0, o.0) })
+    }
+    #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        Self(unsafe { _mm256_min_pd(self.0, o.0) })
+    }
+    #[inline(always)]
+    fn less(self, o: Self) -> Which {
+        Which(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, o.0) })
+    }
+    #[inline(always)]
+    fn select(self, mask: Which, o: Self) -> Self {
+        Self(unsafe { _mm256_blendv_pd(o.0, self.0, mask.0) })
+    }
+    #[inline(always)]
+    fn one_by_one(self, f: fn(f64) -> f64) -> Self {
+        let mut each = [0.0; 4];
+        unsafe {
+            _mm256_storeu_pd(each.as_mut_ptr(), self.0);
+            for x in &mut each {
+                *x = f(*x);
+            }
+            Self(_mm256_loadu_pd(each.as_ptr()))
+        }
+    }
+}
+
+impl<const FUSED: bool> Half<FUSED> {
+    /// Four numbers from each of four places on, one vector for each of the four.
+    ///
+    /// # Safety
+    /// AVX2 is there and all of them can be read.
+    #[inline(always)]
+    pub(super) unsafe fn quads(from: *const f64, at: &[u32; 4]) -> [Self; 4] {
+        // SAFETY: by the caller.
+        unsafe {
+            let row = [quad::<1>(from, at[0]), quad::<1>(from, at[1])];
+            let more = [quad::<1>(from, at[2]), quad::<1>(from, at[3])];
+            let [x, y, z, w] = transpose(row[0], row[1], more[0], more[1]);
+            [Self(x), Self(y), Self(z), Self(w)]
+        }
+    }
+
+    /// The vectors of four records, less those of four others, whose numbers begin there.
+    ///
+    /// # Safety
+    /// AVX2 is there and all of them can be read.
+    #[inline(always)]
+    pub(super) unsafe fn differences(from: *const f64, of: &[u32; 4], less: &[u32; 4]) -> V3<Self> {
+        // SAFETY: by the caller.
+        unsafe {
+            let a = _mm256_sub_pd(quad::<1>(from, of[0]), quad::<1>(from, less[0]));
+            let b = _mm256_sub_pd(quad::<1>(from, of[1]), quad::<1>(from, less[1]));
+            let c = _mm256_sub_pd(quad::<1>(from, of[2]), quad::<1>(from, less[2]));
+            let d = _mm256_sub_pd(quad::<1>(from, of[3]), quad::<1>(from, less[3]));
+            let [x, y, z, _] = transpose(a, b, c, d);
+            V3 { x: Self(x), y: Self(y), z: Self(z) }
+        }
+    }
+
+    /// Four records, and nothing in the lanes that are not `used`.
+    #[inline(always)]
+    pub(super) fn rows(v: V3<Self>, scalar: Self, used: Which) -> [__m256d; 4] {
+        // SAFETY: as above.
+        unsafe {
+            transpose(
+                _mm256_and_pd(v.x.0, used.0),
+                _mm256_and_pd(v.y.0, used.0),
+                _mm256_and_pd(v.z.0, used.0),
+                _mm256_and_pd(scalar.0, used.0),
+            )
+        }
+    }
+}
