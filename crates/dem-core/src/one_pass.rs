@@ -62,7 +62,7 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) kick: &'a Kick<'a, M>,
     pub(crate) drift: &'a Drift<'a>,
     pub(crate) turns: &'a Turns<'a>,
-    /// Spins and places when the list was made, of a bed that no cache holds.
+    /// Spins and places when the list was made, of a bed that the second-level cache does not hold.
     pub(crate) far: Option<[View<'a, Record>; 2]>,
 }
 
@@ -83,6 +83,8 @@ pub(crate) struct Gone {
 
 /// How many bodies before.
 const AHEAD: usize = 192;
+/// Bodies above which what is needed next is asked for before it is: more than a second-level cache holds.
+const WARM: usize = 2000;
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Whether a step goes in one pass: where nobody books energies, and the threads find strips that keep out of each
@@ -175,7 +177,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kick: &kick,
                 drift: &drift,
                 turns: &turns,
-                far: (count > make.far && !clumps).then(|| [spins, drift.reference.into()]),
+                far: (count > WARM && !clumps).then(|| [spins, drift.reference.into()]),
             };
             let near_begin = pairs.near_begin;
             let mut chunks = (

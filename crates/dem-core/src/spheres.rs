@@ -66,6 +66,18 @@ pub(crate) struct SphereMotion {
     pub(crate) end_velocity: Record,
 }
 
+impl ClumpView<'_> {
+    /// Four times the places of the bodies of spheres, of whose places four times is given.
+    #[inline(always)]
+    pub(crate) fn bodies_of<const N: usize>(&self, spheres: &[u32; N]) -> [u32; N] {
+        let mut bodies = [0; N];
+        for (body, sphere) in bodies.iter_mut().zip(spheres) {
+            *body = 4 * self.body[(sphere / 4) as usize];
+        }
+        bodies
+    }
+}
+
 impl SphereView<'_> {
     /// Body of a sphere.
     #[inline(always)]

@@ -31,7 +31,7 @@ use crate::threads::{Cut, InTurn, Runs, View, cut};
 use crate::tier::{Ahead, Tier};
 use crate::world::{Kept, Scratch, World, sphere_view};
 
-/// Bodies above which a bed is far: what is needed next is asked for before it is, and several steps go in a sweep.
+/// Bodies above which a bed is far: several steps go in a sweep.
 pub(crate) const FAR: usize = 20_000;
 /// Steps of a sweep at most.
 pub(crate) const MOST_STEPS: usize = 4;

@@ -133,8 +133,9 @@ impl PairKernel<'_> {
                 unsafe {
                     let mut room = Room::EMPTY;
                     let acting = k.acting::<Pair<FUSED>>(run, &mut room);
-                    if ALIKE && !MORE {
-                        return k.staged::<FUSED>(&acting, Sinks::of(run), into);
+                    if k.constants.len() == 1 {
+                        let sinks = Sinks::of(run);
+                        return k.staged::<FUSED, ALIKE, MORE>(&acting, sinks, into);
                     }
                     k.blocks::<Pair<FUSED>, false, ALIKE, MORE>(run, &acting, 0, into);
                 }
@@ -357,9 +358,7 @@ pub(super) unsafe fn on_clump<V: Blocks>(
 ) -> OnClump<V> {
     let mut of_bodies = [[0; 8]; MOST];
     for (of, spheres) in of_bodies.iter_mut().zip(at) {
-        for (body, sphere) in of.iter_mut().zip(spheres) {
-            *body = 4 * c.body[(sphere / 4) as usize];
-        }
+        *of = c.bodies_of(spheres);
     }
     let bodies = &of_bodies[..at.len()];
     // SAFETY: by the caller; spheres sit on bodies.

@@ -1,4 +1,4 @@
-//! Spheres alike under the usual laws where there is AVX2 alone: part of the work by part, four contacts at a time.
+//! Contacts of one law where there is AVX2 alone: part of the work by part, four contacts at a time.
 //!
 //! The whole law of a contact is a chain of some 250 operations that wait for each other, of which the processor
 //! looks ahead over a fifth, and sixteen registers hold a quarter of what it remembers on the way. So a batch of
@@ -20,6 +20,7 @@ use super::meeting::{Line, Slide, meet, slide};
 use super::pairs::{PairKernel, Sink, Sinks};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
+use crate::spheres::{ClumpView, on_arm};
 
 /// Groups of four in a batch: what lies between the loops are 9 kB.
 const GROUPS: usize = 8;
@@ -33,11 +34,25 @@ struct Given<const FUSED: bool> {
     old: Remembered<Half<FUSED>>,
 }
 
+/// Of spheres that are not alike.
+#[derive(Clone, Copy)]
+struct Sizes<const FUSED: bool> {
+    radii: [Half<FUSED>; 2],
+    /// Effective radius and mass.
+    reduced: [Half<FUSED>; 2],
+}
+
+/// Of spheres on clumps: where the numbers of their bodies begin, and where they sit on them.
+struct Seated<const FUSED: bool> {
+    bodies: [[u32; 4]; 2],
+    arms: [V3<Half<FUSED>>; 2],
+}
+
 /// Where they meet and how they press on each other.
 struct Met<const FUSED: bool> {
     touching: Which,
     inverse: Half<FUSED>,
-    lever: Half<FUSED>,
+    overlap: Half<FUSED>,
     pressed: Pressed<Half<FUSED>>,
 }
 
@@ -52,6 +67,8 @@ struct Moved<const FUSED: bool> {
 /// What the loops hand over, group by group.
 struct Desk<const FUSED: bool> {
     given: [MaybeUninit<Given<FUSED>>; GROUPS],
+    sizes: [MaybeUninit<Sizes<FUSED>>; GROUPS],
+    seated: [MaybeUninit<Seated<FUSED>>; GROUPS],
     /// In fused kernels alone.
     before: [MaybeUninit<Before<Half<FUSED>>>; GROUPS],
     met: [MaybeUninit<Met<FUSED>>; GROUPS],
@@ -80,13 +97,33 @@ impl<'a> Batch<'a> {
     }
 }
 
+/// How spheres on clumps move.
+struct OnClump<const FUSED: bool> {
+    arm: V3<Half<FUSED>>,
+    /// Mean velocity and mass.
+    mean: [Half<FUSED>; 4],
+    spin: V3<Half<FUSED>>,
+    end: V3<Half<FUSED>>,
+}
+
+/// Ask the memory for four numbers.
+///
+/// # Safety
+/// None is needed: nothing is read.
+#[inline(always)]
+unsafe fn ask_for(from: *const f64, at: u32) {
+    // SAFETY: nothing is read.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(from.wrapping_add(at as usize).cast()) }
+}
+
 impl PairKernel<'_> {
-    /// Compute the pairs that act.
+    /// Compute the pairs that act, of spheres that are `ALIKE` or of any two, by the usual law or by `MORE`: by one law
+    /// in any case.
     ///
     /// # Safety
     /// AVX2 is there, every place is that of a sphere, and the sinks hold what the pairs write.
     #[inline(always)]
-    pub(super) unsafe fn staged<const FUSED: bool>(
+    pub(super) unsafe fn staged<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
         &self,
         acting: &Acting<'_>,
         sinks: Sinks,
@@ -94,6 +131,8 @@ impl PairKernel<'_> {
     ) {
         let mut desk = Desk::<FUSED> {
             given: [const { MaybeUninit::uninit() }; GROUPS],
+            sizes: [const { MaybeUninit::uninit() }; GROUPS],
+            seated: [const { MaybeUninit::uninit() }; GROUPS],
             before: [const { MaybeUninit::uninit() }; GROUPS],
             met: [const { MaybeUninit::uninit() }; GROUPS],
             moved: [const { MaybeUninit::uninit() }; GROUPS],
@@ -105,10 +144,11 @@ impl PairKernel<'_> {
             let next = Batch::of(acting, done + 4 * batch.pair.len());
             // SAFETY: by the caller; each loop reads what those before it have written of the batch.
             unsafe {
-                self.gather(&mut desk, batch, sinks);
-                self.press_all(&mut desk, batch.pair.len(), acting.count - done, &laws);
-                self.move_all(&mut desk, batch.pair.len(), next, sinks);
-                self.answer_all(&desk, batch, sinks, &laws);
+                self.gather::<FUSED, ALIKE, MORE>(&mut desk, batch, sinks);
+                let left = acting.count - done;
+                self.press_all::<FUSED, ALIKE>(&mut desk, batch.pair.len(), left, &laws);
+                self.move_all::<FUSED, ALIKE, MORE>(&mut desk, batch.pair.len(), next, sinks);
+                self.answer_all::<FUSED, ALIKE, MORE>(&desk, batch, sinks, &laws);
             }
             let groups = batch.first.iter().zip(batch.second).zip(desk.deep);
             for ((first, second), deep) in groups.filter(|(_, deep)| *deep != 0) {
@@ -123,7 +163,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// As above.
     #[inline(always)]
-    unsafe fn gather<const FUSED: bool>(
+    unsafe fn gather<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
         &self,
         desk: &mut Desk<FUSED>,
         batch: Batch<'_>,
@@ -135,21 +175,90 @@ impl PairKernel<'_> {
         let end = s.end_velocity.as_ptr().cast();
         let spin = s.mean_spin.as_ptr().cast();
         let groups = batch.first.iter().zip(batch.second).zip(batch.pair);
-        for (((i, j), pair), to) in groups.zip(&mut desk.given) {
+        for (g, ((i, j), pair)) in groups.enumerate().take(GROUPS) {
             // SAFETY: by the caller.
             unsafe {
-                let mut apart = Half::differences(position, j, i);
+                let [x, y, z, stiffness] = Half::quads(sinks.memory, pair);
+                let old = Remembered { spring: V3 { x, y, z }, stiffness };
+                if ALIKE {
+                    let mut apart = Half::differences(position, j, i);
+                    if let Some(p) = self.period {
+                        apart = apart.shortest(p);
+                    }
+                    let approach = Half::differences(velocity, i, j);
+                    let end = Half::differences(end, i, j);
+                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
+                    desk.given[g].write(Given { apart, approach, end, spins, old });
+                    continue;
+                }
+                let (xi, xj) = (Half::quads(position, i), Half::quads(position, j));
+                let mut apart = V3::of(xj) - V3::of(xi);
                 if let Some(p) = self.period {
                     apart = apart.shortest(p);
                 }
-                let approach = Half::differences(velocity, i, j);
-                let end = Half::differences(end, i, j);
-                let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
-                let [x, y, z, stiffness] = Half::quads(sinks.memory, pair);
-                let old = Remembered { spring: V3 { x, y, z }, stiffness };
-                to.write(Given { apart, approach, end, spins, old });
+                let clumps = if MORE { s.clumps.as_ref() } else { None };
+                let (vi, vj, end, spins) = if let Some(c) = clumps {
+                    let bodies = [c.bodies_of(i), c.bodies_of(j)];
+                    let a = self.on_clump(c, &bodies[0], V3::of(xi));
+                    let b = self.on_clump(c, &bodies[1], V3::of(xj));
+                    desk.seated[g].write(Seated { bodies, arms: [a.arm, b.arm] });
+                    (a.mean, b.mean, a.end - b.end, [a.spin, b.spin])
+                } else {
+                    let end = Half::differences(end, i, j);
+                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
+                    (Half::quads(velocity, i), Half::quads(velocity, j), end, spins)
+                };
+                let radii = [xi[3], xj[3]];
+                let reduced =
+                    [radii[0] * radii[1] / (radii[0] + radii[1]), vi[3] * vj[3] / (vi[3] + vj[3])];
+                desk.sizes[g].write(Sizes { radii, reduced });
+                let approach = V3::of(vi) - V3::of(vj);
+                desk.given[g].write(Given { apart, approach, end, spins, old });
             }
         }
+    }
+
+    /// `on_clump` of four spheres at `position` on bodies whose numbers begin there.
+    ///
+    /// # Safety
+    /// As above.
+    #[inline(always)]
+    unsafe fn on_clump<const FUSED: bool>(
+        &self,
+        c: &ClumpView<'_>,
+        bodies: &[u32; 4],
+        position: V3<Half<FUSED>>,
+    ) -> OnClump<FUSED> {
+        let s = &self.spheres;
+        // SAFETY: by the caller.
+        unsafe {
+            let arm = position - V3::of(Half::quads(c.centre.as_ptr().cast(), bodies));
+            let v = Half::quads(s.mean_velocity.as_ptr().cast(), bodies);
+            let spin = V3::of(Half::quads(s.mean_spin.as_ptr().cast(), bodies));
+            let end = V3::of(Half::quads(s.end_velocity.as_ptr().cast(), bodies));
+            let end_spin = V3::of(Half::quads(c.end_spin.as_ptr().cast(), bodies));
+            let [mean, end] = on_arm(arm, [V3::of(v), spin], [end, end_spin], c.dt);
+            OnClump { arm, mean: [mean.x, mean.y, mean.z, v[3]], spin, end }
+        }
+    }
+
+    /// Radii, effective radius and effective mass of a group.
+    ///
+    /// # Safety
+    /// The group was gathered.
+    #[inline(always)]
+    unsafe fn sizes<const FUSED: bool, const ALIKE: bool>(
+        &self,
+        desk: &Desk<FUSED>,
+        g: usize,
+    ) -> Sizes<FUSED> {
+        if ALIKE {
+            let size = self.one_size.unwrap_or_default();
+            let (r_star, m_star) = PairKernel::reduced(size);
+            return Sizes { radii: [Half::splat(size[0]); 2], reduced: [r_star, m_star] };
+        }
+        // SAFETY: by the caller.
+        unsafe { desk.sizes[g].assume_init() }
     }
 
     /// Distances, normal forces and stiffnesses of so many groups, of which `count` contacts matter.
@@ -157,32 +266,40 @@ impl PairKernel<'_> {
     /// # Safety
     /// As above.
     #[inline(always)]
-    unsafe fn press_all<const FUSED: bool>(
+    unsafe fn press_all<const FUSED: bool, const ALIKE: bool>(
         &self,
         desk: &mut Desk<FUSED>,
         groups: usize,
         count: usize,
         laws: &Laws<Half<FUSED>>,
     ) {
-        let size = self.one_size.unwrap_or_default();
-        let (radius, (r_star, m_star)) = (Half::splat(size[0]), PairKernel::reduced(size));
         for g in 0..groups.min(GROUPS) {
             // SAFETY: by the caller.
-            let Given { apart, end, old, .. } = unsafe { desk.given[g].assume_init_ref() };
+            let (Given { apart, end, old, .. }, sizes) =
+                unsafe { (desk.given[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g)) };
             let valid = Which::of(lowest_bits(count.saturating_sub(4 * g)));
-            let met = meet(*apart, [radius; 2], old, valid, self.overlap_limit);
+            let met = meet(*apart, sizes.radii, old, valid, self.overlap_limit);
             desk.deep[g] = met.deep.bits();
             if FUSED {
                 desk.before[g].write(met.before);
             }
-            let rate = Line::of(*apart, met.inverse).along(*end);
+            let (rate, [r_star, m_star]) =
+                (Line::of(*apart, met.inverse).along(*end), sizes.reduced);
+            let pressing = Pressing { overlap: met.overlap, rate, r_star, m_star };
             desk.met[g].write(Met {
                 touching: met.touching,
                 inverse: met.inverse,
-                lever: radius.less_times(Half::splat(0.5), met.overlap),
-                pressed: press(&Pressing { overlap: met.overlap, rate, r_star, m_star }, laws),
+                overlap: met.overlap,
+                pressed: press(&pressing, laws),
             });
         }
+    }
+
+    /// Arms of the forces on both spheres of a group.
+    #[inline(always)]
+    fn levers<const FUSED: bool>(sizes: &Sizes<FUSED>, overlap: Half<FUSED>) -> [Half<FUSED>; 2] {
+        let [ri, rj] = sizes.radii;
+        [ri.less_times(Half::splat(0.5), overlap), rj.less_times(Half::splat(0.5), overlap)]
     }
 
     /// Slip and springs, if nothing slid, of so many groups; what the next batch needs is asked of the memory.
@@ -190,7 +307,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// As above.
     #[inline(always)]
-    unsafe fn move_all<const FUSED: bool>(
+    unsafe fn move_all<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
         &self,
         desk: &mut Desk<FUSED>,
         groups: usize,
@@ -199,23 +316,26 @@ impl PairKernel<'_> {
     ) {
         for g in 0..groups.min(GROUPS) {
             if let (Some(second), Some(pair)) = (next.second.get(g), next.pair.get(g)) {
-                self.ask(second, pair, sinks);
+                self.ask::<MORE>(second, pair, sinks);
             }
             // SAFETY: by the caller.
-            let (given, met, before) = unsafe {
+            let (given, met, sizes, before) = unsafe {
                 let before = if FUSED { desk.before[g].assume_init() } else { Before::nothing() };
-                (desk.given[g].assume_init_ref(), desk.met[g].assume_init_ref(), before)
+                let sizes = self.sizes::<FUSED, ALIKE>(desk, g);
+                (desk.given[g].assume_init_ref(), desk.met[g].assume_init_ref(), sizes, before)
             };
             let line = Line::of(given.apart, met.inverse);
+            let levers = Self::levers(&sizes, met.overlap);
             let Slide { slip, rolling, twist } =
-                slide::<_, true>(&line, given.approach, given.spins, [met.lever; 2], self.dt);
+                slide::<_, ALIKE>(&line, given.approach, given.spins, levers, self.dt);
+            let features = if MORE { self.features } else { Features::NONE };
             let trial = would_be(
                 [line.normal, slip],
                 twist,
                 Half::splat(self.dt),
                 &met.pressed,
                 (&given.old, &before),
-                Features::NONE.form(),
+                features.form(),
                 met.touching,
             );
             desk.moved[g].write(Moved { normal: line.normal, slip, rolling, trial });
@@ -225,18 +345,22 @@ impl PairKernel<'_> {
     /// Ask the memory for what contacts gather of their second spheres, and remember: first spheres were those of
     /// contacts before.
     #[inline(always)]
-    fn ask(&self, second: &[u32; 4], pair: &[u32; 4], sinks: Sinks) {
+    fn ask<const MORE: bool>(&self, second: &[u32; 4], pair: &[u32; 4], sinks: Sinks) {
         let s = &self.spheres;
-        let records = [&s.mean_velocity, &s.mean_spin, &s.end_velocity];
+        let clumps = if MORE { s.clumps.as_ref() } else { None };
         for (sphere, pair) in second.iter().zip(pair) {
-            for from in records {
-                let at = from.as_ptr().cast::<f64>().wrapping_add(*sphere as usize);
-                // SAFETY: nothing is read.
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) }
+            let body = clumps.map_or(*sphere, |c| 4 * c.body[(*sphere / 4) as usize]);
+            // SAFETY: nothing is read.
+            unsafe {
+                for from in [s.mean_velocity, s.mean_spin, s.end_velocity] {
+                    ask_for(from.as_ptr().cast(), body);
+                }
+                if let Some(c) = clumps {
+                    ask_for(c.centre.as_ptr().cast(), body);
+                    ask_for(c.end_spin.as_ptr().cast(), body);
+                }
+                ask_for(sinks.memory, *pair);
             }
-            let at = sinks.memory.wrapping_add(*pair as usize);
-            // SAFETY: as above.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast_const().cast()) }
         }
     }
 
@@ -245,7 +369,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// As above.
     #[inline(always)]
-    unsafe fn answer_all<const FUSED: bool>(
+    unsafe fn answer_all<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
         &self,
         desk: &Desk<FUSED>,
         batch: Batch<'_>,
@@ -253,39 +377,48 @@ impl PairKernel<'_> {
         laws: &Laws<Half<FUSED>>,
     ) {
         let (zero, none) = (Half::splat(0.0), V3::splat(0.0));
-        let size = self.one_size.unwrap_or_default();
-        let (radius, (r_star, _)) =
-            (Half::splat(size[0]), PairKernel::reduced::<Half<FUSED>>(size));
+        let features = if MORE { self.features } else { Features::NONE };
         let groups = batch.first.iter().zip(batch.second).zip(batch.pair);
         for (g, ((first, second), pair)) in groups.enumerate().take(GROUPS) {
             // SAFETY: by the caller.
-            let (old, met, moved) = unsafe {
-                let old = desk.given[g].assume_init_ref().old.stiffness;
-                (old, desk.met[g].assume_init_ref(), desk.moved[g].assume_init_ref())
+            let (given, met, moved, sizes) = unsafe {
+                let (given, met) = (desk.given[g].assume_init_ref(), desk.met[g].assume_init_ref());
+                (given, met, desk.moved[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
+            let [lever_i, lever_j] = Self::levers(&sizes, met.overlap);
+            // The usual laws do without spins.
+            let [spin_i, spin_j] = if MORE { given.spins } else { [none; 2] };
             let motion = Motion {
                 normal: moved.normal,
                 slip: moved.slip,
                 rolling: moved.rolling,
-                lever_i: met.lever,
-                lever_j: met.lever,
-                r_star,
-                // The usual laws do without.
-                spin_i: none,
-                spin_j: none,
-                overlap: zero,
-                radius_i: radius,
-                radius_j: radius,
+                spin_i,
+                spin_j,
+                lever_i,
+                lever_j,
+                overlap: met.overlap,
+                r_star: sizes.reduced[0],
+                radius_i: sizes.radii[0],
+                radius_j: sizes.radii[1],
             };
-            let out = answer::<_, false, true>(
+            let mut out = answer::<_, false, ALIKE>(
                 &motion,
                 laws,
-                Features::NONE,
+                features,
                 &met.pressed,
                 moved.trial,
-                old,
+                given.old.stiffness,
                 met.touching,
             );
+            let mut of = [first, second];
+            if MORE && self.spheres.clumps.is_some() {
+                // SAFETY: the group was gathered.
+                let Seated { bodies, arms } = unsafe { desk.seated[g].assume_init_ref() };
+                // Torques about the centres of the bodies, which have the sums.
+                out.torque_i = out.torque_i + arms[0].cross(out.force);
+                out.torque_j = out.torque_j - arms[1].cross(out.force);
+                of = [&bodies[0], &bodies[1]];
+            }
             let used = met.touching;
             let force = Half::rows(out.force, zero, used);
             let torques =
@@ -306,7 +439,10 @@ impl PairKernel<'_> {
                     }
                     Sink::Summed(to, within) => {
                         for k in 0..4 {
-                            let at = [2 * (first[k] & within), 2 * (second[k] & within)];
+                            let at = of.map(
+                                #[inline(always)]
+                                |places| 2 * (places[k] & within),
+                            );
                             add_pair(to, at, [force[k], torques[0][k], torques[1][k]]);
                         }
                     }

@@ -45,19 +45,19 @@ impl PairKernel<'_> {
             // Those of the first one's wall, eight by eight; the others move up.
             while count > 0 {
                 let wall = run.wall[hits[0] as usize];
-                let (mut group, mut lanes, mut left) = ([0u32; 8], 0, 0);
+                let (mut same, mut own, mut left) = ([0u32; HITS], 0, 0);
                 for h in 0..count {
+                    // Written to both, counted in one: walls follow each other by chance.
                     let entry = hits[h];
-                    if run.wall[entry as usize] == wall && lanes < 8 {
-                        group[lanes] = entry;
-                        lanes += 1;
-                    } else {
-                        hits[left] = entry;
-                        left += 1;
-                    }
+                    let mine = run.wall[entry as usize] == wall;
+                    (same[own], hits[left]) = (entry, entry);
+                    own += usize::from(mine);
+                    left += usize::from(!mine);
                 }
                 count = left;
-                self.group(level, run, wall, &group[..lanes], &mut g, into);
+                for group in same[..own].chunks(8) {
+                    self.group(level, run, wall, group, &mut g, into);
+                }
             }
             begin = end;
         }
