@@ -62,7 +62,9 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) kick: &'a Kick<'a, M>,
     pub(crate) drift: &'a Drift<'a>,
     pub(crate) turns: &'a Turns<'a>,
-    /// Spins and places when the list was made, of a bed that the second-level cache does not hold.
+    /// Whether places are asked for before they are needed: where the second-level cache does not hold the bed.
+    pub(crate) warm: bool,
+    /// Spins and places when the list was made, of a bed that no cache holds: there everything is asked for.
     pub(crate) far: Option<[View<'a, Record>; 2]>,
 }
 
@@ -83,7 +85,7 @@ pub(crate) struct Gone {
 
 /// How many bodies before.
 const AHEAD: usize = 192;
-/// Bodies above which what is needed next is asked for before it is: more than a second-level cache holds.
+/// Bodies above which places are asked for before they are needed: more than a second-level cache holds.
 const WARM: usize = 2000;
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
@@ -177,7 +179,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kick: &kick,
                 drift: &drift,
                 turns: &turns,
-                far: (count > WARM && !clumps).then(|| [spins, drift.reference.into()]),
+                warm: count > WARM && !clumps,
+                far: (count > make.far && !clumps).then(|| [spins, drift.reference.into()]),
             };
             let near_begin = pairs.near_begin;
             let mut chunks = (
@@ -297,17 +300,22 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             } else {
                 own.end.max(gone.reach.div_ceil(PIECE))
             };
-            if let Some(own) = self.far {
+            if self.warm {
                 let s = &self.context.spheres;
                 let (touched, finished) = (
                     (gone.reach + AHEAD).min(self.bodies),
                     (frontier * PIECE + AHEAD).min(self.bodies),
                 );
-                for records in [s.position, s.mean_velocity, s.mean_spin, s.end_velocity] {
-                    fetch(records, gone.asked[0].max(gone.reach.saturating_sub(AHEAD))..touched);
-                }
-                for records in own {
-                    fetch(records, gone.asked[1].max(finished.saturating_sub(2 * AHEAD))..finished);
+                let spheres = gone.asked[0].max(gone.reach.saturating_sub(AHEAD))..touched;
+                fetch(s.position, spheres.clone());
+                if let Some(own) = self.far {
+                    for records in [s.mean_velocity, s.mean_spin, s.end_velocity] {
+                        fetch(records, spheres.clone());
+                    }
+                    for records in own {
+                        let begin = gone.asked[1].max(finished.saturating_sub(2 * AHEAD));
+                        fetch(records, begin..finished);
+                    }
                 }
                 gone.asked = [touched, finished];
             }

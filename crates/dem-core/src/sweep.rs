@@ -328,6 +328,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             kick: &kick,
             drift: &drift,
             turns: &self.turns(&[], &[]),
+            warm: far.is_some(),
             far: far.map(|spins| [spins, drift.reference.into()]),
         };
         pass.go(0, &mut bodies, &mut chunks, &mut tier.ring, &mut tier.gone, until);
