@@ -1,4 +1,4 @@
-//! What the lanes of AVX-512 and of AVX2 share.
+//! What the lanes of AVX-512 and both kinds of AVX2 share.
 #![cfg(target_arch = "x86_64")]
 
 use std::arch::x86_64::*;

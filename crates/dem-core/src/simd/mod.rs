@@ -13,6 +13,7 @@ mod avx512;
 mod blocks;
 mod carried;
 mod clumps;
+mod gathering;
 mod half;
 mod hertz_mindlin;
 mod lanes;

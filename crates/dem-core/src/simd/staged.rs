@@ -7,12 +7,12 @@
 //! Operations on each contact are those of `pairs.rs`, in the same order, and so are the bits.
 #![cfg(target_arch = "x86_64")]
 
-use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use std::mem::MaybeUninit;
 
 use super::acting::Acting;
 use super::avx::{add_pair, put_quad};
-use super::carried::{Before, Remembered};
+use super::carried::Before;
+use super::gathering::{Batch, GROUPS, Gathered, Given, Seated, Sizes};
 use super::half::{Half, Which};
 use super::hertz_mindlin::{Features, Laws, Motion, Pressed, Pressing, answer, press, would_be};
 use super::lanes::{Numbers, V3};
@@ -20,33 +20,6 @@ use super::meeting::{Line, Slide, meet, slide};
 use super::pairs::{PairKernel, Sink, Sinks};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
-use crate::spheres::{ClumpView, on_arm};
-
-/// Groups of four in a batch: what lies between the loops are 9 kB.
-const GROUPS: usize = 8;
-
-/// What contacts know of their spheres, and remember.
-struct Given<const FUSED: bool> {
-    apart: V3<Half<FUSED>>,
-    approach: V3<Half<FUSED>>,
-    end: V3<Half<FUSED>>,
-    spins: [V3<Half<FUSED>>; 2],
-    old: Remembered<Half<FUSED>>,
-}
-
-/// Of spheres that are not alike.
-#[derive(Clone, Copy)]
-struct Sizes<const FUSED: bool> {
-    radii: [Half<FUSED>; 2],
-    /// Effective radius and mass.
-    reduced: [Half<FUSED>; 2],
-}
-
-/// Of spheres on clumps: where the numbers of their bodies begin, and where they sit on them.
-struct Seated<const FUSED: bool> {
-    bodies: [[u32; 4]; 2],
-    arms: [V3<Half<FUSED>>; 2],
-}
 
 /// Where they meet and how they press on each other.
 struct Met<const FUSED: bool> {
@@ -66,54 +39,12 @@ struct Moved<const FUSED: bool> {
 
 /// What the loops hand over, group by group.
 struct Desk<const FUSED: bool> {
-    given: [MaybeUninit<Given<FUSED>>; GROUPS],
-    sizes: [MaybeUninit<Sizes<FUSED>>; GROUPS],
-    seated: [MaybeUninit<Seated<FUSED>>; GROUPS],
+    gathered: Gathered<FUSED>,
     /// In fused kernels alone.
     before: [MaybeUninit<Before<Half<FUSED>>>; GROUPS],
     met: [MaybeUninit<Met<FUSED>>; GROUPS],
     moved: [MaybeUninit<Moved<FUSED>>; GROUPS],
     deep: [u8; GROUPS],
-}
-
-/// Contacts of a batch: where the numbers of their spheres and their own in the run begin.
-#[derive(Clone, Copy)]
-struct Batch<'a> {
-    first: &'a [[u32; 4]],
-    second: &'a [[u32; 4]],
-    pair: &'a [[u32; 4]],
-}
-
-impl<'a> Batch<'a> {
-    /// Those from `done` on.
-    #[inline(always)]
-    fn of(acting: &Acting<'a>, done: usize) -> Self {
-        let end = acting.pair.len().min(done + 4 * GROUPS);
-        Self {
-            first: acting.first[done..end].as_chunks().0,
-            second: acting.second[done..end].as_chunks().0,
-            pair: acting.pair[done..end].as_chunks().0,
-        }
-    }
-}
-
-/// How spheres on clumps move.
-struct OnClump<const FUSED: bool> {
-    arm: V3<Half<FUSED>>,
-    /// Mean velocity and mass.
-    mean: [Half<FUSED>; 4],
-    spin: V3<Half<FUSED>>,
-    end: V3<Half<FUSED>>,
-}
-
-/// Ask the memory for four numbers.
-///
-/// # Safety
-/// None is needed: nothing is read.
-#[inline(always)]
-unsafe fn ask_for(from: *const f64, at: u32) {
-    // SAFETY: nothing is read.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(from.wrapping_add(at as usize).cast()) }
 }
 
 impl PairKernel<'_> {
@@ -130,9 +61,7 @@ impl PairKernel<'_> {
         into: &mut ChunkYield,
     ) {
         let mut desk = Desk::<FUSED> {
-            given: [const { MaybeUninit::uninit() }; GROUPS],
-            sizes: [const { MaybeUninit::uninit() }; GROUPS],
-            seated: [const { MaybeUninit::uninit() }; GROUPS],
+            gathered: Gathered::NONE,
             before: [const { MaybeUninit::uninit() }; GROUPS],
             met: [const { MaybeUninit::uninit() }; GROUPS],
             moved: [const { MaybeUninit::uninit() }; GROUPS],
@@ -144,7 +73,7 @@ impl PairKernel<'_> {
             let next = Batch::of(acting, done + 4 * batch.pair.len());
             // SAFETY: by the caller; each loop reads what those before it have written of the batch.
             unsafe {
-                self.gather::<FUSED, ALIKE, MORE>(&mut desk, batch, sinks);
+                self.gather::<FUSED, ALIKE, MORE>(&mut desk.gathered, batch, sinks.memory);
                 let left = acting.count - done;
                 self.press_all::<FUSED, ALIKE>(&mut desk, batch.pair.len(), left, &laws);
                 self.move_all::<FUSED, ALIKE, MORE>(&mut desk, batch.pair.len(), next, sinks);
@@ -155,90 +84,6 @@ impl PairKernel<'_> {
                 self.note_deep(deep, first, second, into);
             }
             (done, batch) = (done + 4 * batch.pair.len(), next);
-        }
-    }
-
-    /// Gather what a batch knows.
-    ///
-    /// # Safety
-    /// As above.
-    #[inline(always)]
-    unsafe fn gather<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
-        &self,
-        desk: &mut Desk<FUSED>,
-        batch: Batch<'_>,
-        sinks: Sinks,
-    ) {
-        let s = &self.spheres;
-        let position = s.position.as_ptr().cast();
-        let velocity = s.mean_velocity.as_ptr().cast();
-        let end = s.end_velocity.as_ptr().cast();
-        let spin = s.mean_spin.as_ptr().cast();
-        let groups = batch.first.iter().zip(batch.second).zip(batch.pair);
-        for (g, ((i, j), pair)) in groups.enumerate().take(GROUPS) {
-            // SAFETY: by the caller.
-            unsafe {
-                let [x, y, z, stiffness] = Half::quads(sinks.memory, pair);
-                let old = Remembered { spring: V3 { x, y, z }, stiffness };
-                if ALIKE {
-                    let mut apart = Half::differences(position, j, i);
-                    if let Some(p) = self.period {
-                        apart = apart.shortest(p);
-                    }
-                    let approach = Half::differences(velocity, i, j);
-                    let end = Half::differences(end, i, j);
-                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
-                    desk.given[g].write(Given { apart, approach, end, spins, old });
-                    continue;
-                }
-                let (xi, xj) = (Half::quads(position, i), Half::quads(position, j));
-                let mut apart = V3::of(xj) - V3::of(xi);
-                if let Some(p) = self.period {
-                    apart = apart.shortest(p);
-                }
-                let clumps = if MORE { s.clumps.as_ref() } else { None };
-                let (vi, vj, end, spins) = if let Some(c) = clumps {
-                    let bodies = [c.bodies_of(i), c.bodies_of(j)];
-                    let a = self.on_clump(c, &bodies[0], V3::of(xi));
-                    let b = self.on_clump(c, &bodies[1], V3::of(xj));
-                    desk.seated[g].write(Seated { bodies, arms: [a.arm, b.arm] });
-                    (a.mean, b.mean, a.end - b.end, [a.spin, b.spin])
-                } else {
-                    let end = Half::differences(end, i, j);
-                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
-                    (Half::quads(velocity, i), Half::quads(velocity, j), end, spins)
-                };
-                let radii = [xi[3], xj[3]];
-                let reduced =
-                    [radii[0] * radii[1] / (radii[0] + radii[1]), vi[3] * vj[3] / (vi[3] + vj[3])];
-                desk.sizes[g].write(Sizes { radii, reduced });
-                let approach = V3::of(vi) - V3::of(vj);
-                desk.given[g].write(Given { apart, approach, end, spins, old });
-            }
-        }
-    }
-
-    /// `on_clump` of four spheres at `position` on bodies whose numbers begin there.
-    ///
-    /// # Safety
-    /// As above.
-    #[inline(always)]
-    unsafe fn on_clump<const FUSED: bool>(
-        &self,
-        c: &ClumpView<'_>,
-        bodies: &[u32; 4],
-        position: V3<Half<FUSED>>,
-    ) -> OnClump<FUSED> {
-        let s = &self.spheres;
-        // SAFETY: by the caller.
-        unsafe {
-            let arm = position - V3::of(Half::quads(c.centre.as_ptr().cast(), bodies));
-            let v = Half::quads(s.mean_velocity.as_ptr().cast(), bodies);
-            let spin = V3::of(Half::quads(s.mean_spin.as_ptr().cast(), bodies));
-            let end = V3::of(Half::quads(s.end_velocity.as_ptr().cast(), bodies));
-            let end_spin = V3::of(Half::quads(c.end_spin.as_ptr().cast(), bodies));
-            let [mean, end] = on_arm(arm, [V3::of(v), spin], [end, end_spin], c.dt);
-            OnClump { arm, mean: [mean.x, mean.y, mean.z, v[3]], spin, end }
         }
     }
 
@@ -258,7 +103,7 @@ impl PairKernel<'_> {
             return Sizes { radii: [Half::splat(size[0]); 2], reduced: [r_star, m_star] };
         }
         // SAFETY: by the caller.
-        unsafe { desk.sizes[g].assume_init() }
+        unsafe { desk.gathered.sizes[g].assume_init() }
     }
 
     /// Distances, normal forces and stiffnesses of so many groups, of which `count` contacts matter.
@@ -275,8 +120,9 @@ impl PairKernel<'_> {
     ) {
         for g in 0..groups.min(GROUPS) {
             // SAFETY: by the caller.
-            let (Given { apart, end, old, .. }, sizes) =
-                unsafe { (desk.given[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g)) };
+            let (Given { apart, end, old, .. }, sizes) = unsafe {
+                (desk.gathered.given[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
+            };
             let valid = Which::of(lowest_bits(count.saturating_sub(4 * g)));
             let met = meet(*apart, sizes.radii, old, valid, self.overlap_limit);
             desk.deep[g] = met.deep.bits();
@@ -316,13 +162,18 @@ impl PairKernel<'_> {
     ) {
         for g in 0..groups.min(GROUPS) {
             if let (Some(second), Some(pair)) = (next.second.get(g), next.pair.get(g)) {
-                self.ask::<MORE>(second, pair, sinks);
+                self.ask::<MORE>([second, pair], sinks.memory);
             }
             // SAFETY: by the caller.
             let (given, met, sizes, before) = unsafe {
                 let before = if FUSED { desk.before[g].assume_init() } else { Before::nothing() };
                 let sizes = self.sizes::<FUSED, ALIKE>(desk, g);
-                (desk.given[g].assume_init_ref(), desk.met[g].assume_init_ref(), sizes, before)
+                (
+                    desk.gathered.given[g].assume_init_ref(),
+                    desk.met[g].assume_init_ref(),
+                    sizes,
+                    before,
+                )
             };
             let line = Line::of(given.apart, met.inverse);
             let levers = Self::levers(&sizes, met.overlap);
@@ -339,28 +190,6 @@ impl PairKernel<'_> {
                 met.touching,
             );
             desk.moved[g].write(Moved { normal: line.normal, slip, rolling, trial });
-        }
-    }
-
-    /// Ask the memory for what contacts gather of their second spheres, and remember: first spheres were those of
-    /// contacts before.
-    #[inline(always)]
-    fn ask<const MORE: bool>(&self, second: &[u32; 4], pair: &[u32; 4], sinks: Sinks) {
-        let s = &self.spheres;
-        let clumps = if MORE { s.clumps.as_ref() } else { None };
-        for (sphere, pair) in second.iter().zip(pair) {
-            let body = clumps.map_or(*sphere, |c| 4 * c.body[(*sphere / 4) as usize]);
-            // SAFETY: nothing is read.
-            unsafe {
-                for from in [s.mean_velocity, s.mean_spin, s.end_velocity] {
-                    ask_for(from.as_ptr().cast(), body);
-                }
-                if let Some(c) = clumps {
-                    ask_for(c.centre.as_ptr().cast(), body);
-                    ask_for(c.end_spin.as_ptr().cast(), body);
-                }
-                ask_for(sinks.memory, *pair);
-            }
         }
     }
 
@@ -382,7 +211,8 @@ impl PairKernel<'_> {
         for (g, ((first, second), pair)) in groups.enumerate().take(GROUPS) {
             // SAFETY: by the caller.
             let (given, met, moved, sizes) = unsafe {
-                let (given, met) = (desk.given[g].assume_init_ref(), desk.met[g].assume_init_ref());
+                let (given, met) =
+                    (desk.gathered.given[g].assume_init_ref(), desk.met[g].assume_init_ref());
                 (given, met, desk.moved[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
             let [lever_i, lever_j] = Self::levers(&sizes, met.overlap);
@@ -413,7 +243,7 @@ impl PairKernel<'_> {
             let mut of = [first, second];
             if MORE && self.spheres.clumps.is_some() {
                 // SAFETY: the group was gathered.
-                let Seated { bodies, arms } = unsafe { desk.seated[g].assume_init_ref() };
+                let Seated { bodies, arms } = unsafe { desk.gathered.seated[g].assume_init_ref() };
                 // Torques about the centres of the bodies, which have the sums.
                 out.torque_i = out.torque_i + arms[0].cross(out.force);
                 out.torque_j = out.torque_j - arms[1].cross(out.force);

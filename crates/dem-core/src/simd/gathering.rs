@@ -1,0 +1,199 @@
+//! What batches of contacts gather for `staged.rs`, four contacts at a time.
+#![cfg(target_arch = "x86_64")]
+
+use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+use std::mem::MaybeUninit;
+
+use super::acting::Acting;
+use super::carried::Remembered;
+use super::half::Half;
+use super::lanes::V3;
+use super::pairs::PairKernel;
+use crate::spheres::{ClumpView, on_arm};
+
+/// Groups of four in a batch: what lies between the loops of spheres alike are 10 kB.
+pub(super) const GROUPS: usize = 8;
+
+/// Contacts of a batch: where the numbers of their spheres and their own in the run begin.
+#[derive(Clone, Copy)]
+pub(super) struct Batch<'a> {
+    pub(super) first: &'a [[u32; 4]],
+    pub(super) second: &'a [[u32; 4]],
+    pub(super) pair: &'a [[u32; 4]],
+}
+
+impl<'a> Batch<'a> {
+    /// Those from `done` on.
+    #[inline(always)]
+    pub(super) fn of(acting: &Acting<'a>, done: usize) -> Self {
+        let end = acting.pair.len().min(done + 4 * GROUPS);
+        Self {
+            first: acting.first[done..end].as_chunks().0,
+            second: acting.second[done..end].as_chunks().0,
+            pair: acting.pair[done..end].as_chunks().0,
+        }
+    }
+}
+
+/// What contacts know of their spheres, and remember.
+pub(super) struct Given<const FUSED: bool> {
+    pub(super) apart: V3<Half<FUSED>>,
+    pub(super) approach: V3<Half<FUSED>>,
+    pub(super) end: V3<Half<FUSED>>,
+    pub(super) spins: [V3<Half<FUSED>>; 2],
+    pub(super) old: Remembered<Half<FUSED>>,
+}
+
+/// Of spheres that are not alike.
+#[derive(Clone, Copy)]
+pub(super) struct Sizes<const FUSED: bool> {
+    pub(super) radii: [Half<FUSED>; 2],
+    /// Effective radius and mass.
+    pub(super) reduced: [Half<FUSED>; 2],
+}
+
+/// Of spheres on clumps: where the numbers of their bodies begin, and where they sit on them.
+pub(super) struct Seated<const FUSED: bool> {
+    pub(super) bodies: [[u32; 4]; 2],
+    pub(super) arms: [V3<Half<FUSED>>; 2],
+}
+
+/// What the groups of a batch know.
+pub(super) struct Gathered<const FUSED: bool> {
+    pub(super) given: [MaybeUninit<Given<FUSED>>; GROUPS],
+    /// Where spheres are not alike.
+    pub(super) sizes: [MaybeUninit<Sizes<FUSED>>; GROUPS],
+    /// Where spheres sit on clumps.
+    pub(super) seated: [MaybeUninit<Seated<FUSED>>; GROUPS],
+}
+
+impl<const FUSED: bool> Gathered<FUSED> {
+    /// Nothing yet.
+    pub(super) const NONE: Self = Self {
+        given: [const { MaybeUninit::uninit() }; GROUPS],
+        sizes: [const { MaybeUninit::uninit() }; GROUPS],
+        seated: [const { MaybeUninit::uninit() }; GROUPS],
+    };
+}
+
+/// How spheres on clumps move.
+struct OnClump<const FUSED: bool> {
+    arm: V3<Half<FUSED>>,
+    /// Mean velocity and mass.
+    mean: [Half<FUSED>; 4],
+    spin: V3<Half<FUSED>>,
+    end: V3<Half<FUSED>>,
+}
+
+/// Ask the memory for four numbers.
+#[inline(always)]
+fn ask_for(from: *const f64, at: u32) {
+    // SAFETY: nothing is read.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(from.wrapping_add(at as usize).cast()) }
+}
+
+impl PairKernel<'_> {
+    /// Gather what the contacts of a batch know, of spheres that are `ALIKE` or of any two, by the usual law or by
+    /// `MORE`.
+    ///
+    /// # Safety
+    /// AVX2 is there, every place is that of a sphere, and the contacts' memory begins at `memory`.
+    #[inline(always)]
+    pub(super) unsafe fn gather<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
+        &self,
+        to: &mut Gathered<FUSED>,
+        batch: Batch<'_>,
+        memory: *const f64,
+    ) {
+        let s = &self.spheres;
+        let position = s.position.as_ptr().cast();
+        let velocity = s.mean_velocity.as_ptr().cast();
+        let end = s.end_velocity.as_ptr().cast();
+        let spin = s.mean_spin.as_ptr().cast();
+        let groups = batch.first.iter().zip(batch.second).zip(batch.pair);
+        for (g, ((i, j), pair)) in groups.enumerate().take(GROUPS) {
+            // SAFETY: by the caller.
+            unsafe {
+                let [x, y, z, stiffness] = Half::quads(memory, pair);
+                let old = Remembered { spring: V3 { x, y, z }, stiffness };
+                if ALIKE {
+                    let mut apart = Half::differences(position, j, i);
+                    if let Some(p) = self.period {
+                        apart = apart.shortest(p);
+                    }
+                    let approach = Half::differences(velocity, i, j);
+                    let end = Half::differences(end, i, j);
+                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
+                    to.given[g].write(Given { apart, approach, end, spins, old });
+                    continue;
+                }
+                let (xi, xj) = (Half::quads(position, i), Half::quads(position, j));
+                let mut apart = V3::of(xj) - V3::of(xi);
+                if let Some(p) = self.period {
+                    apart = apart.shortest(p);
+                }
+                let clumps = if MORE { s.clumps.as_ref() } else { None };
+                let (vi, vj, end, spins) = if let Some(c) = clumps {
+                    let bodies = [c.bodies_of(i), c.bodies_of(j)];
+                    let a = self.on_clump(c, &bodies[0], V3::of(xi));
+                    let b = self.on_clump(c, &bodies[1], V3::of(xj));
+                    to.seated[g].write(Seated { bodies, arms: [a.arm, b.arm] });
+                    (a.mean, b.mean, a.end - b.end, [a.spin, b.spin])
+                } else {
+                    let end = Half::differences(end, i, j);
+                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
+                    (Half::quads(velocity, i), Half::quads(velocity, j), end, spins)
+                };
+                let radii = [xi[3], xj[3]];
+                let reduced =
+                    [radii[0] * radii[1] / (radii[0] + radii[1]), vi[3] * vj[3] / (vi[3] + vj[3])];
+                to.sizes[g].write(Sizes { radii, reduced });
+                let approach = V3::of(vi) - V3::of(vj);
+                to.given[g].write(Given { apart, approach, end, spins, old });
+            }
+        }
+    }
+
+    /// `on_clump` of four spheres at `position` on bodies whose numbers begin there.
+    ///
+    /// # Safety
+    /// As above.
+    #[inline(always)]
+    unsafe fn on_clump<const FUSED: bool>(
+        &self,
+        c: &ClumpView<'_>,
+        bodies: &[u32; 4],
+        position: V3<Half<FUSED>>,
+    ) -> OnClump<FUSED> {
+        let s = &self.spheres;
+        // SAFETY: by the caller.
+        unsafe {
+            let arm = position - V3::of(Half::quads(c.centre.as_ptr().cast(), bodies));
+            let v = Half::quads(s.mean_velocity.as_ptr().cast(), bodies);
+            let spin = V3::of(Half::quads(s.mean_spin.as_ptr().cast(), bodies));
+            let end = V3::of(Half::quads(s.end_velocity.as_ptr().cast(), bodies));
+            let end_spin = V3::of(Half::quads(c.end_spin.as_ptr().cast(), bodies));
+            let [mean, end] = on_arm(arm, [V3::of(v), spin], [end, end_spin], c.dt);
+            OnClump { arm, mean: [mean.x, mean.y, mean.z, v[3]], spin, end }
+        }
+    }
+
+    /// Ask the memory for what contacts gather of their second spheres, and remember, by the places of both: first
+    /// spheres were those of contacts before.
+    #[inline(always)]
+    pub(super) fn ask<const MORE: bool>(&self, group: [&[u32; 4]; 2], memory: *const f64) {
+        let s = &self.spheres;
+        let clumps = if MORE { s.clumps.as_ref() } else { None };
+        for (sphere, pair) in group[0].iter().zip(group[1]) {
+            let body = clumps.map_or(*sphere, |c| 4 * c.body[(*sphere / 4) as usize]);
+            for from in [s.mean_velocity, s.mean_spin, s.end_velocity] {
+                ask_for(from.as_ptr().cast(), body);
+            }
+            if let Some(c) = clumps {
+                ask_for(c.centre.as_ptr().cast(), body);
+                ask_for(c.end_spin.as_ptr().cast(), body);
+            }
+            ask_for(memory, *pair);
+        }
+    }
+}
