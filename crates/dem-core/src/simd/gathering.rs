@@ -85,6 +85,20 @@ struct OnClump<const FUSED: bool> {
     end: V3<Half<FUSED>>,
 }
 
+/// What four contacts remember, whose numbers begin there.
+///
+/// # Safety
+/// AVX2 is there and all of them can be read.
+#[inline(always)]
+unsafe fn remembered<const FUSED: bool>(
+    from: *const f64,
+    at: &[u32; 4],
+) -> Remembered<Half<FUSED>> {
+    // SAFETY: by the caller.
+    let [x, y, z, stiffness] = unsafe { Half::quads(from, at) };
+    Remembered { spring: V3 { x, y, z }, stiffness }
+}
+
 /// Ask the memory for four numbers.
 #[inline(always)]
 fn ask_for(from: *const f64, at: u32) {
@@ -114,19 +128,22 @@ impl PairKernel<'_> {
         for (g, ((i, j), pair)) in groups.enumerate().take(GROUPS) {
             // SAFETY: by the caller.
             unsafe {
-                let [x, y, z, stiffness] = Half::quads(memory, pair);
-                let old = Remembered { spring: V3 { x, y, z }, stiffness };
                 if ALIKE {
                     let mut apart = Half::differences(position, j, i);
                     if let Some(p) = self.period {
                         apart = apart.shortest(p);
                     }
-                    let approach = Half::differences(velocity, i, j);
-                    let end = Half::differences(end, i, j);
-                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
-                    to.given[g].write(Given { apart, approach, end, spins, old });
+                    // Field by field: all of them together are more than the registers hold.
+                    let to = to.given[g].as_mut_ptr();
+                    (&raw mut (*to).apart).write(apart);
+                    (&raw mut (*to).old).write(remembered(memory, pair));
+                    (&raw mut (*to).approach).write(Half::differences(velocity, i, j));
+                    (&raw mut (*to).end).write(Half::differences(end, i, j));
+                    (&raw mut (*to).spins[0]).write(V3::of(Half::quads(spin, i)));
+                    (&raw mut (*to).spins[1]).write(V3::of(Half::quads(spin, j)));
                     continue;
                 }
+                let old = remembered(memory, pair);
                 let (xi, xj) = (Half::quads(position, i), Half::quads(position, j));
                 let mut apart = V3::of(xj) - V3::of(xi);
                 if let Some(p) = self.period {

@@ -1,5 +1,7 @@
 //! Listed pairs as they lie: which touch, and how far apart the others are. Eight pairs are one block.
 
+use std::slice::from_ref;
+
 use super::Level;
 use super::lanes::Lanes;
 use super::pairs::{PairKernel, difference};
@@ -119,9 +121,10 @@ impl PairKernel<'_> {
     #[inline(always)]
     unsafe fn apart<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> (V, V) {
         let radius = self.one_size.map(|s| s[0]);
+        let (first, second) = (from_ref(first), from_ref(second));
         // SAFETY: by the caller.
         let (mut d, [rj, ri]) =
-            unsafe { difference::<V, 4>(self.spheres.position, &[*second], &[*first], radius) };
+            unsafe { difference::<V, 4>(self.spheres.position, second, first, radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }
