@@ -395,9 +395,8 @@ pub(crate) trait Quads: crate::integrate::Vector {
     fn over_scalars_of(self, other: Self) -> Self;
     /// `frame[0] x + frame[1] y + frame[2] z + frame[3]`.
     fn turned(self, frame: &[Self; 4]) -> Self;
-    /// The largest square of the vectors, and whether one of them is not below the scalar of its `limit`; a square that is no number
-    /// is not.
-    fn beyond(self, limit: Self) -> (f64, bool);
+    /// Of the vectors, without the scalars; no number if one of them is none.
+    fn largest_square(self) -> f64;
 }
 
 impl<Q: Quad> Quads for Q {
@@ -433,8 +432,7 @@ impl<Q: Quad> Quads for Q {
         *x * r.x + *y * r.y + *z * r.z + *shift
     }
     #[inline(always)]
-    fn beyond(self, limit: Self) -> (f64, bool) {
-        let square = self.length_squared();
-        (square, !(square <= limit.record().w))
+    fn largest_square(self) -> f64 {
+        self.length_squared()
     }
 }
