@@ -47,8 +47,6 @@ pub(crate) struct Kick<'a, M> {
 pub(crate) struct Drift<'a> {
     pub(crate) reference: &'a [Record],
     pub(crate) frame: Turn,
-    /// Square of the displacement that calls for a list, m2.
-    pub(crate) limit: f64,
     pub(crate) dt: f64,
 }
 
@@ -138,7 +136,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let drift = Drift {
             reference: &self.state.list.reference,
             frame: self.turn_since_list((self.state.step + 1) as f64 * self.make.dt),
-            limit: (0.5 * self.make.skin).powi(2),
             dt: self.make.dt,
         };
         let (chunks, moved) = (&mut self.scratch.body_yield, &mut self.scratch.moved);
@@ -317,8 +314,10 @@ impl<M> Kick<'_, M> {
             let position = W::load_some(&run.position[k..]);
             let position = (position + d.mean_velocity * dt).with_scalars_of(position);
             position.store_some(&mut run.position[k..]);
-            let then = W::load_some(&reference[k..]).turned(&frame);
-            farthest.note((position - then).largest_square(), drift.limit);
+            let then = W::load_some(&reference[k..]);
+            let (square, too_far) = (position - then.turned(&frame)).beyond(then);
+            farthest.too_far |= too_far;
+            farthest.square = if square > farthest.square { square } else { farthest.square };
             let old = W::load_some(&run.spin[k..]);
             let mean = W::load_some(&run.mean_spin[k..]);
             let a = torque.over_scalars_of(old);

@@ -1,12 +1,13 @@
 //! Making the neighbour list, and knowing when it has to be made again.
 //!
-//! The list holds every pair whose gap is below the skin. It is good as long as no sphere has moved
-//! by more than half the skin since it was made; those of a clump move with its centre and by its turns. In a drum most of the bed turns with the wall
+//! The list holds every pair whose gap spheres may close before it is made again. It is good as long as no sphere has moved
+//! by more than half the skin at most since it was made; those of a clump move with its centre and by its turns. In a drum most of the bed turns with the wall
 //! like a solid, and a common rigid motion brings no two bodies nearer: so displacements are
 //! measured in the frame of the turning wall whenever that makes them smaller.
 //!
-//! Of clumps, whose pairs of spheres are many, each has a share of the skin by its speed: it is good as long as none has moved
-//! by more than its own, and a pair is listed whose gap is below what both may move.
+//! Most of a bed moves slowly in that frame, and need not list pairs for the sake of the few that are fast: each body has a share
+//! of the skin by its speed. The list is good as long as none has moved by more than its own, and a pair is listed whose
+//! gap is below what both may move. In beds that no cache holds, which ask seldom whether the list holds, all have half the skin.
 
 use glam::DVec3;
 
@@ -17,11 +18,12 @@ use crate::integrate::Integrator;
 use crate::neighbour::Period;
 use crate::neighbour::cell_list::columns_of;
 use crate::neighbour::search::Search;
+use crate::neighbour::verlet_list::LANES;
 use crate::particles::Record;
 use crate::simd::widened;
 use crate::step::kernel_of;
 use crate::sums::PIECE;
-use crate::sweep::MOST_STEPS;
+use crate::sweep::{FAR, MOST_STEPS};
 use crate::threads::cut;
 use crate::world::{Kept, SPHERE, World, sphere_view};
 
@@ -33,7 +35,7 @@ const BUILDS_PER_SORT: u64 = 16;
 const TOUCHING_MARGIN: f64 = 0.05;
 const TOUCHING_MARGIN_OF_CLUMPS: f64 = 0.02;
 
-/// What a clump at rest may move before the list is made again, over half the skin: more by its speed over that of the fastest.
+/// What a body at rest may move before the list is made again, over half the skin: more by its speed over that of the fastest.
 const LEAST_RESERVE: f64 = 0.25;
 
 /// What a body moves in a step at least, if it stood still when the list was made: as share of the skin.
@@ -87,7 +89,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         state.list.time = state.step as f64 * self.make.dt;
         state.list.builds += 1;
         state.list_stale = false;
-        s.moved.reset(state.bodies.len());
+        s.moved.reset(&s.reserve);
         s.placed_then.clone_from(&s.placed);
         s.kept = Kept::None;
         s.strips.forget();
@@ -97,8 +99,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         Ok(())
     }
 
-    /// Give every body what it may move before the list is made again: half the skin, and of clumps, whose lists are dear, those that move slowly
-    /// less.
+    /// Give every body what it may move before the list is made again: half the skin, and those that move slowly less, but in beds
+    /// that no cache holds.
     fn share_out_skin(&mut self) {
         let (half, dt) = (0.5 * self.make.skin, self.make.dt);
         let turn = match self.make.turning_wall.filter(|_| self.state.list.turning) {
@@ -110,7 +112,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         };
         let (b, m, s) = (&self.state.bodies, &self.state.members, &mut self.scratch);
         s.reserve.clear();
-        if self.make.shapes.is_empty() {
+        if self.make.shapes.is_empty() && b.len() > FAR {
             s.reserve.resize(b.len(), half);
             return;
         }
@@ -118,7 +120,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.reserve.extend((0..b.len()).map(|k| {
             let x = b.position[k].vector();
             let carried = turn.image(x) - x;
-            let reach = self.make.shapes.get(m.shape[k] as usize).map_or(0.0, |s| s.reach);
+            let shape = m.shape.get(k).and_then(|shape| self.make.shapes.get(*shape as usize));
+            let reach = shape.map_or(0.0, |s| s.reach);
             let spin = b.mean_spin[k].vector() - angular;
             (b.mean_velocity[k].vector() * dt - carried).length() + reach * spin.length() * dt
         }));
@@ -249,8 +252,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if s.moved.square.len() != self.len().div_ceil(PIECE) {
             return 0;
         }
-        let farthest = s.moved.square.iter().fold(0.0f64, |most, square| most.max(*square)).sqrt();
-        let (room, stride) = (0.5 * self.make.skin - farthest, s.stride);
+        let (room, stride) = (s.moved.room(), s.stride);
         // None where one of them is not known.
         let in_room = |step: &u64| *step as f64 * stride <= room;
         let holds = (1..MOST_STEPS as u64).take_while(in_room).count() as u64;
@@ -345,6 +347,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let margin = if clumps { TOUCHING_MARGIN_OF_CLUMPS } else { TOUCHING_MARGIN };
         let s = &mut self.scratch;
         s.cells.sort(&self.state.bodies.position, range, period);
+        s.sorted_reserve.clear();
+        s.sorted_reserve.extend(s.cells.order.iter().map(|&k| s.reserve[k as usize]));
+        s.sorted_reserve.resize(self.state.bodies.len() + LANES, 0.0);
         if clumps {
             columns_of(&self.state.members.position, &mut s.sphere_columns);
         }
@@ -355,6 +360,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             spheres: &s.sphere_columns,
             range,
             reserve: &s.reserve,
+            sorted_reserve: &s.sorted_reserve,
             reach: self.make.range,
             margin: margin * self.make.skin,
             period,

@@ -148,7 +148,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let drift = Drift {
             reference: &self.state.list.reference,
             frame: self.turn_since_list((self.state.step + 1) as f64 * dt),
-            limit: (0.5 * make.skin).powi(2),
             dt,
         };
         let (mut active, mut memory) =

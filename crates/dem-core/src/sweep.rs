@@ -313,7 +313,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let drift = Drift {
             reference: &self.state.list.reference,
             frame: self.turn_since_list((tier.step + 1) as f64 * dt),
-            limit: (0.5 * make.skin).powi(2),
             dt,
         };
         let kernel = kernel_of(make, spheres, dt, false);

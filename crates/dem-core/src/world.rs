@@ -175,6 +175,8 @@ pub(crate) struct Scratch {
     pub(crate) found: Vec<Vec<Found>>,
     /// What each body may move before the list is made again, m.
     pub(crate) reserve: Vec<f64>,
+    /// The same in the order of the search, with room for one more vector at the end.
+    pub(crate) sorted_reserve: Vec<f64>,
     pub(crate) old_pairs: PairList,
     pub(crate) near_order: NearOrder,
     /// Displacements since the list was made.

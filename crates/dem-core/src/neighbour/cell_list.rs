@@ -166,13 +166,13 @@ impl CellList {
         level.end
     }
 
-    /// Call `found(k, m)` for every pair of sorted places whose gap may be below `range`, where
+    /// Call `found(k, m)` for every pair of sorted places whose gap may be below `range(k)`, where
     /// `k` runs over `places`; the caller measures the gap.
     #[inline(always)]
     pub(crate) fn for_each_candidate(
         &self,
         places: std::ops::Range<usize>,
-        range: f64,
+        range: impl Fn(usize) -> f64,
         period: Option<Period>,
         mut found: impl FnMut(usize, std::ops::Range<usize>),
     ) {
@@ -182,13 +182,13 @@ impl CellList {
                 let p = &self.sorted[k];
                 for l in 0..=own {
                     let level = &self.levels[l];
-                    let reach = p.w + level.largest_radius + range;
+                    let reach = p.w + level.largest_radius + range(k);
                     let least = if l == own { k + 1 } else { 0 };
                     level.rows(
                         self.axes,
                         [p.x, p.y, p.z],
                         reach,
-                        period,
+                        (period, l == own),
                         #[inline(always)]
                         |row| {
                             let row = row.start.max(least)..row.end;
@@ -231,14 +231,15 @@ impl Level {
         (c[s] * self.cells[m] + c[m]) * self.cells[f] + c[f]
     }
 
-    /// The rows of cells within `reach` of `x`, as ranges of sorted places.
+    /// The rows of cells within `reach` of `x`, as ranges of sorted places; where only those `behind` the cell of `x`
+    /// count, few others.
     #[inline(always)]
     fn rows(
         &self,
         axes: [usize; 3],
         x: [f64; 3],
         reach: f64,
-        period: Option<Period>,
+        (period, behind): (Option<Period>, bool),
         mut row: impl FnMut(std::ops::Range<usize>),
     ) {
         let [f, m, s] = axes;
@@ -258,8 +259,15 @@ impl Level {
         };
         let (f0, f1) = span(f);
         let (m0, m1) = span(m);
-        let (s0, s1) = span(s);
+        let (mut s0, s1) = span(s);
+        let (own_m, own_s) = (self.cell_along(m, x[m]) as isize, self.cell_along(s, x[s]) as isize);
+        // Beyond the end of a period rows begin anew.
+        let behind = behind && !period.is_some_and(|p| p.axis == m || p.axis == s);
+        if behind {
+            s0 = own_s;
+        }
         for cs in s0..=s1 {
+            let m0 = if behind && cs == own_s { own_m } else { m0 };
             let cs = within(cs, self.cells[s]);
             for cm in m0..=m1 {
                 let cm = within(cm, self.cells[m]);
@@ -299,16 +307,21 @@ mod tests {
     ) -> Vec<(u32, u32)> {
         cells.sort(p, range, period);
         let mut out = Vec::new();
-        cells.for_each_candidate(0..p.len(), range, period, |k, row| {
-            for m in row {
-                let (a, b) = (cells.sorted[k], cells.sorted[m]);
-                let d = Period::shortest(period, b.vector() - a.vector());
-                if d.length() < a.w + b.w + range {
-                    let (i, j) = (cells.order[k], cells.order[m]);
-                    out.push((i.min(j), i.max(j)));
+        cells.for_each_candidate(
+            0..p.len(),
+            |_| range,
+            period,
+            |k, row| {
+                for m in row {
+                    let (a, b) = (cells.sorted[k], cells.sorted[m]);
+                    let d = Period::shortest(period, b.vector() - a.vector());
+                    if d.length() < a.w + b.w + range {
+                        let (i, j) = (cells.order[k], cells.order[m]);
+                        out.push((i.min(j), i.max(j)));
+                    }
                 }
-            }
-        });
+            },
+        );
         out.sort_unstable();
         out
     }

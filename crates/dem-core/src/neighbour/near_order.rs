@@ -55,13 +55,24 @@ pub(crate) struct Looks<'a> {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Moved {
     pub(crate) square: Vec<f64>,
+    /// How far each body of a piece may move at least before the list is made again, m.
+    reserve: Vec<f64>,
 }
 
 impl Moved {
-    /// Nobody has moved.
-    pub(crate) fn reset(&mut self, bodies: usize) {
+    /// Nobody has moved; each body may move by its `reserve`.
+    pub(crate) fn reset(&mut self, reserve: &[f64]) {
         self.square.clear();
-        self.square.resize(bodies.div_ceil(PIECE), 0.0);
+        self.square.resize(reserve.len().div_ceil(PIECE), 0.0);
+        let least = |piece: &[f64]| piece.iter().copied().fold(f64::INFINITY, f64::min);
+        self.reserve.clear();
+        self.reserve.extend(reserve.chunks(PIECE).map(least));
+    }
+
+    /// By how much every body may move on before the list is made again, m.
+    pub(crate) fn room(&self) -> f64 {
+        let left = self.reserve.iter().zip(&self.square).map(|(own, square)| own - square.sqrt());
+        left.fold(f64::INFINITY, f64::min)
     }
 
     /// If it is not known for so many bodies, they may be anywhere.
@@ -70,6 +81,8 @@ impl Moved {
         if self.square.len() != pieces {
             self.square.clear();
             self.square.resize(pieces, f64::INFINITY);
+            self.reserve.clear();
+            self.reserve.resize(pieces, 0.0);
         }
     }
 }
@@ -232,7 +245,7 @@ mod tests {
             }
         });
         let mut moved = Moved::default();
-        moved.reset(bodies as usize);
+        moved.reset(&vec![range; bodies as usize]);
         for (k, square) in moved.square.iter_mut().enumerate() {
             // The first half lies nearly still.
             *square = (range * if k < 7 { 1e-3 } else { 0.3 } * random()).powi(2);

@@ -18,6 +18,8 @@ pub(crate) struct Search<'a> {
     pub(crate) range: f64,
     /// What each body may move.
     pub(crate) reserve: &'a [f64],
+    /// The same in the order of the cells, with room for one more vector at the end.
+    pub(crate) sorted_reserve: &'a [f64],
     /// Largest gap across which anything can act.
     pub(crate) reach: f64,
     pub(crate) margin: f64,
@@ -84,12 +86,14 @@ impl Search<'_> {
     /// Pairs of the bodies at these places with those behind them.
     #[inline(always)]
     pub(crate) fn pairs_of(&self, places: std::ops::Range<usize>, found: &mut Vec<Found>) {
-        let (cells, gaps) = (self.cells, [self.range, self.margin]);
+        let cells = self.cells;
+        let most = 0.5 * (self.range - self.reach);
         let (mut own, mut candidates) =
             (places.start, Candidates { places: [0; CANDIDATES], count: 0 });
         cells.for_each_candidate(
             places,
-            self.range,
+            #[inline(always)]
+            |k| self.sorted_reserve[k] + most + self.reach,
             self.period,
             #[inline(always)]
             |k, row| {
@@ -98,12 +102,14 @@ impl Search<'_> {
                     own = k;
                 }
                 let (pi, mut begin) = (&cells.sorted[k], row.start);
+                let gaps = [self.sorted_reserve[k] + self.reach, self.margin];
                 while begin < row.end {
                     let left = row.end - begin;
                     let valid = lowest_bits(left);
                     let (columns, period) = (&cells.columns, self.period);
+                    let more = self.sorted_reserve[begin..].first_chunk();
                     let [near, touching] =
-                        crate::simd::in_reach(self.level, pi, columns, begin, gaps, period);
+                        crate::simd::in_reach(self.level, pi, (columns, more), begin, gaps, period);
                     candidates.push(begin, near & valid, touching);
                     if candidates.is_full() {
                         self.keep_all(k, &mut candidates, found);
@@ -160,7 +166,7 @@ impl Search<'_> {
     #[inline(always)]
     fn eight_in_reach(&self, own: &Record, begin: usize, range: f64) -> [u8; 2] {
         let gaps = [range, self.margin];
-        crate::simd::in_reach(self.level, own, self.spheres, begin, gaps, self.period)
+        crate::simd::in_reach(self.level, own, (self.spheres, None), begin, gaps, self.period)
     }
 }
 

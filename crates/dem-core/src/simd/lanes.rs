@@ -395,8 +395,9 @@ pub(crate) trait Quads: crate::integrate::Vector {
     fn over_scalars_of(self, other: Self) -> Self;
     /// `frame[0] x + frame[1] y + frame[2] z + frame[3]`.
     fn turned(self, frame: &[Self; 4]) -> Self;
-    /// Of the vectors, without the scalars; no number if one of them is none.
-    fn largest_square(self) -> f64;
+    /// The largest square of the vectors, and whether one of them is not below the scalar of its `limit`; a square that is no number
+    /// is not.
+    fn beyond(self, limit: Self) -> (f64, bool);
 }
 
 impl<Q: Quad> Quads for Q {
@@ -432,7 +433,8 @@ impl<Q: Quad> Quads for Q {
         *x * r.x + *y * r.y + *z * r.z + *shift
     }
     #[inline(always)]
-    fn largest_square(self) -> f64 {
-        self.length_squared()
+    fn beyond(self, limit: Self) -> (f64, bool) {
+        let square = self.length_squared();
+        (square, !(square <= limit.record().w))
     }
 }

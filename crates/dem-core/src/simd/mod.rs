@@ -225,7 +225,7 @@ pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
 pub(crate) fn in_reach(
     level: Level,
     own: &Record,
-    columns: &[Vec<f64>; 4],
+    (columns, more): (&[Vec<f64>; 4], Option<&[f64; 8]>),
     begin: usize,
     gaps: [f64; 2],
     period: Option<Period>,
@@ -234,10 +234,13 @@ pub(crate) fn in_reach(
     let (Some(x), Some(y), Some(z), Some(r)) = (eight(0), eight(1), eight(2), eight(3)) else {
         return [0; 2];
     };
+    let more = more.unwrap_or(&[0.0; 8]);
     #[cfg(target_arch = "x86_64")]
     match level {
-        Level::Avx512 => return reach::<avx512::Wide<false>>(own, [x, y, z, r], gaps, period),
-        Level::Avx2 => return reach::<avx2::Pair<false>>(own, [x, y, z, r], gaps, period),
+        Level::Avx512 => {
+            return reach::<avx512::Wide<false>>(own, [x, y, z, r, more], gaps, period);
+        }
+        Level::Avx2 => return reach::<avx2::Pair<false>>(own, [x, y, z, r, more], gaps, period),
         Level::Portable => {}
     }
     let _ = level;
@@ -245,14 +248,14 @@ pub(crate) fn in_reach(
         let d = glam::DVec3::new(x[k] - own.x, y[k] - own.y, z[k] - own.z);
         let d2 = Period::shortest(period, d).length_squared();
         let below = |gap: f64| u8::from(d2 < (own.w + r[k] + gap).powi(2)) << k;
-        [near | below(gaps[0]), touching | below(gaps[1])]
+        [near | below(gaps[0] + more[k]), touching | below(gaps[1])]
     })
 }
 
 #[inline(always)]
 fn reach<V: lanes::Lanes>(
     own: &Record,
-    [x, y, z, r]: [&[f64; 8]; 4],
+    [x, y, z, r, more]: [&[f64; 8]; 5],
     gaps: [f64; 2],
     period: Option<Period>,
 ) -> [u8; 2] {
@@ -265,7 +268,8 @@ fn reach<V: lanes::Lanes>(
         d = d.shortest(p);
     }
     let (d2, both) = (d.dot(d), V::splat(own.w) + V::load(r));
-    let (range, margin) = (both + V::splat(gaps[0]), both + V::splat(gaps[1]));
+    let range = both + (V::splat(gaps[0]) + V::load(more));
+    let margin = both + V::splat(gaps[1]);
     [d2.less(range * range), d2.less(margin * margin)]
 }
 

@@ -148,7 +148,7 @@ impl Quads for Eight {
         }
     }
     #[inline(always)]
-    fn largest_square(self) -> f64 {
+    fn beyond(self, limit: Self) -> (f64, bool) {
         unsafe {
             let square = _mm512_mul_pd(self.0, self.0);
             // In the order of `Four`: x and y, then z.
@@ -157,7 +157,9 @@ impl Quads for Eight {
             let sums = _mm512_add_pd(_mm512_add_pd(square, y), z);
             let a = _mm512_cvtsd_f64(sums);
             let b = _mm256_cvtsd_f64(_mm512_extractf64x4_pd::<1>(sums));
-            if a >= b || a.is_nan() { a } else { b }
+            let limits = _mm512_permutex_pd::<0xFF>(limit.0);
+            let far = !_mm512_mask_cmp_pd_mask::<_CMP_LE_OQ>(0b1_0001, sums, limits) & 0b1_0001;
+            (if a >= b { a } else { b }, far != 0)
         }
     }
 }

@@ -45,6 +45,35 @@ fn the_turning_frame_and_the_laboratory_frame_find_the_same_contacts() {
 }
 
 #[test]
+fn beads_at_rest_list_no_pairs_for_the_sake_of_a_fast_one() {
+    // A lattice with gaps of 0.3 mm, and a bead at 2 m/s that hits its middle 10 ms later.
+    let run = |skin: f64| {
+        let mut b = WorldBuilder::new(1e-5);
+        let m = b.material(bead_material());
+        b.pair_law(m, m, model(0.8, 0.3, 0.0)).skin(skin);
+        b.domain(DVec3::splat(-0.1), DVec3::splat(0.1));
+        for k in 0..125 {
+            let at = DVec3::new((k % 5) as f64, (k / 5 % 5) as f64, (k / 25) as f64) - 2.0;
+            b.sphere(Sphere::at(at * 6.3e-3, 3e-3, m));
+        }
+        let fast = Sphere::at(DVec3::new(1e-3, -4e-2, 1e-3), 3e-3, m);
+        let fast = b.sphere(fast.with_velocity(DVec3::Y * 2.0));
+        let mut w = b.build().unwrap();
+        w.run(300).unwrap();
+        (w, fast)
+    };
+    let ((mut listed, fast), (mut all, _)) = (run(1e-3), run(0.2));
+    // Half a skin for two beads at rest together would list all 300 neighbours.
+    assert_eq!((listed.list_pairs(), all.list_pairs()), (0, 126 * 125 / 2));
+    listed.run(2000).unwrap();
+    all.run(2000).unwrap();
+    assert!(listed.velocity(fast).length() < 1.0, "{}", listed.velocity(fast));
+    for id in listed.particles() {
+        assert!((listed.position(id) - all.position(id)).length() < 1e-9, "{id}");
+    }
+}
+
+#[test]
 fn near_pairs_that_are_passed_over_change_no_bit() {
     // Who has been restored knows of no displacement and looks at all near pairs until the next list.
     for (ratio, skin) in [(1.0, 1e-3), (1.6, 2e-3)] {
