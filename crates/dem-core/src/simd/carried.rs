@@ -63,6 +63,19 @@ impl<V: Numbers> Before<V> {
         (before, over_more)
     }
 
+    /// In fused kernels, by itself.
+    #[inline(always)]
+    pub(super) fn by_itself(old: &Remembered<V>, normal: V3<V>) -> Self {
+        let along = old.spring.dot(normal);
+        Self::fused(
+            old,
+            V::splat(1.0),
+            #[inline(always)]
+            |_| along,
+        )
+        .0
+    }
+
     /// The spring's force now, before slip, where the stiffness is `k` and the contact has turned by `twist` about
     /// its `normal`; of the old stiffness's share at most `most` is kept. `used` are the lanes that matter.
     #[inline(always)]

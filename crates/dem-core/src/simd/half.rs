@@ -143,18 +143,32 @@ impl<const FUSED: bool> Numbers for Half<FUSED> {
     }
     #[inline(always)]
     fn one_by_one(self, f: fn(f64) -> f64) -> Self {
-        let mut each = [0.0; 4];
-        unsafe {
-            _mm256_storeu_pd(each.as_mut_ptr(), self.0);
-            for x in &mut each {
-                *x = f(*x);
-            }
-            Self(_mm256_loadu_pd(each.as_ptr()))
+        let mut each = self.each();
+        for x in &mut each {
+            *x = f(*x);
         }
+        Self::from(each)
+    }
+}
+
+impl<const FUSED: bool> From<[f64; 4]> for Half<FUSED> {
+    #[inline(always)]
+    fn from(each: [f64; 4]) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_loadu_pd(each.as_ptr()) })
     }
 }
 
 impl<const FUSED: bool> Half<FUSED> {
+    /// The four numbers.
+    #[inline(always)]
+    pub(super) fn each(self) -> [f64; 4] {
+        let mut each = [0.0; 4];
+        // SAFETY: as above.
+        unsafe { _mm256_storeu_pd(each.as_mut_ptr(), self.0) };
+        each
+    }
+
     /// Four numbers from each of four places on, one vector for each of the four.
     ///
     /// # Safety

@@ -13,6 +13,7 @@ mod avx512;
 mod blocks;
 mod carried;
 mod clumps;
+mod facing;
 mod gathering;
 mod half;
 mod hertz_mindlin;
@@ -23,6 +24,7 @@ mod pairs;
 mod records;
 mod staged;
 mod wall;
+mod wall_staged;
 
 use std::any::Any;
 

@@ -5,15 +5,14 @@
 //! `hertz_mindlin.rs`. Operation by operation as `touch_wall` in `forces.rs` and the shapes'
 //! `nearest`: `simd_and_portable_kernels_agree_bit_by_bit` tells.
 
-use glam::DVec3;
-
 use super::carried::{Before, Remembered};
-use super::hertz_mindlin::{Laws, Motion, Pressing, SLOTS, respond};
+use super::facing::{Faced, Near, brush, face, nearest, nearest_alone};
+use super::hertz_mindlin::{Laws, SLOTS, respond};
 use super::lanes::{Lanes, V3, fours};
 use super::pairs::{PairKernel, on_clump};
 use super::{Arithmetic, Level, widened};
 use crate::forces::{ChunkYield, TOUCHES};
-use crate::geometry::{PlacedShape, PlacedWall, RigidVelocity, Side};
+use crate::geometry::PlacedWall;
 use crate::neighbour::search::lowest_bits;
 use crate::neighbour::verlet_list::memory_index;
 use crate::particles::Record;
@@ -55,6 +54,9 @@ impl PairKernel<'_> {
                     left += usize::from(!mine);
                 }
                 count = left;
+                if self.wall_in_stages(level, run, wall, &same[..own], into) {
+                    continue;
+                }
                 for group in same[..own].chunks(8) {
                     self.group(level, run, wall, group, &mut g, into);
                 }
@@ -84,6 +86,42 @@ impl PairKernel<'_> {
             count += usize::from(!misses);
         }
         count
+    }
+
+    /// Compute contacts with one wall in stages, where that is done; returns whether it was.
+    fn wall_in_stages(
+        &self,
+        level: Level,
+        run: &mut WallRun<'_>,
+        wall: u16,
+        entries: &[u32],
+        into: &mut ChunkYield,
+    ) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if let (Level::Avx2, Some(own), false) =
+            (level, self.one_material, self.spheres.clumps.is_some())
+        {
+            #[target_feature(enable = "avx2,fma,popcnt")]
+            unsafe fn avx2<const FUSED: bool>(
+                k: &PairKernel<'_>,
+                run: &mut WallRun<'_>,
+                by: (u16, usize),
+                entries: &[u32],
+                into: &mut ChunkYield,
+            ) {
+                // SAFETY: by the caller.
+                unsafe { k.staged_walls::<FUSED>(run, by, entries, into) }
+            }
+            let material = usize::from(run.walls[wall as usize].material.0);
+            let by = (wall, own * self.materials + material);
+            let of =
+                if self.arithmetic == Arithmetic::Exact { avx2::<false> } else { avx2::<true> };
+            // SAFETY: `level` comes from `Level::detect`, which asked the processor; the lists hold places of spheres.
+            unsafe { of(self, run, by, entries, into) };
+            return true;
+        }
+        let _ = (level, run, wall, entries, into);
+        false
     }
 
     /// Compute up to eight contacts with one wall.
@@ -173,13 +211,13 @@ impl PairKernel<'_> {
             }
         };
         let (x, radius, mass) = (V3::of(p), p[3], v[3]);
-        let near = nearest::<V>(wall, s.position, &g.places, x, g.valid);
+        let near = nearest::<V>(wall, x, g.valid)
+            .unwrap_or_else(|| one_by_one(wall, s.position, &g.places));
         let zero = V::splat(0.0);
-        let overlap = radius - near.distance;
-        let touching = zero.less(overlap) & overlap.less(V::splat(2.0) * radius) & g.valid;
-        g.touching = touching;
-        g.deep = (V::splat(self.overlap_limit) * radius).less(overlap) & touching;
-        overlap.store(&mut g.overlap);
+        let Faced { touching, deep, pressing } =
+            face(wall, &near, (x, end), [radius, mass], g.valid, self.overlap_limit);
+        (g.touching, g.deep) = (touching, deep);
+        pressing.overlap.store(&mut g.overlap);
         let material = usize::from(wall.material.0);
         let laws = if let Some(own) = self.one_material {
             Laws::<V>::splat(&self.all[own * self.materials + material])
@@ -189,40 +227,13 @@ impl PairKernel<'_> {
             let law = |_, lane: usize| &self.all[own[lane] as usize * self.materials + material];
             Laws::lanes(law)
         };
-        let (n, w) = (near.normal, V3::of(w));
-        let dt = V::splat(self.dt);
-        let one = V::splat(1.0);
-        let lever_i = near.distance;
-        let point = n.times_plus(lever_i, x);
-        let spin = splat::<V>(wall.mean_velocity.spin);
-        let approach = V3::of(v) - velocity_at(&wall.mean_velocity, point);
-        let back = V::splat(0.5 * self.dt) * approach.dot(n);
-        let relative = (w * (lever_i + back)).cross_plus(n, approach);
-        let motion = Motion {
-            normal: n,
-            slip: relative.less_times(n, relative.dot(n)),
-            rolling: (w - spin).less_times(n, (w - spin).dot(n)),
-            spin_i: w,
-            spin_j: spin,
-            lever_i,
-            lever_j: zero,
-            overlap,
-            r_star: one / (one / radius + one / near.wall_radius),
-            radius_i: radius,
-            radius_j: near.wall_radius,
-        };
-        let rate = (end - velocity_at(&wall.velocity, point)).dot(n);
-        let pressing = Pressing { overlap, rate, r_star: motion.r_star, m_star: mass };
-        let twist = V::splat(0.5) * (w + spin).dot(n) * dt;
+        let moves = [V3::of(v), V3::of(w)];
+        let (motion, twist) = brush(wall, &near, (x, radius), moves, &pressing, self.dt);
+        let (n, dt) = (near.normal, V::splat(self.dt));
         let m = &mut g.memory;
         let spring = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
         let old = Remembered { spring, stiffness: V::load(&m[3]) };
-        let before = if V::FUSED {
-            let along = old.spring.dot(n);
-            Before::fused(&old, one, |_| along).0
-        } else {
-            Before::nothing()
-        };
+        let before = if V::FUSED { Before::by_itself(&old, n) } else { Before::nothing() };
         let out = respond::<V, FAST, false>(
             (&motion, &pressing),
             [twist, dt],
@@ -238,7 +249,7 @@ impl PairKernel<'_> {
         spring.z.store(&mut m[2]);
         out.stiffness.select(touching, zero).store(&mut m[3]);
         // On the wall, about the centre of the sphere.
-        let on_wall = out.torque_j - (n * lever_i).cross(out.force);
+        let on_wall = out.torque_j - (n * motion.lever_i).cross(out.force);
         let f = out.force.select(touching, none);
         V::scatter([f.x, f.y, f.z, zero], &mut g.force);
         let t = out.torque_i.select(touching, none);
@@ -276,73 +287,7 @@ impl Group {
     };
 }
 
-/// `geometry::Nearest` of eight spheres.
-struct Near<V> {
-    normal: V3<V>,
-    distance: V,
-    wall_radius: V,
-}
-
-#[inline(always)]
-fn splat<V: Lanes>(v: DVec3) -> V3<V> {
-    V3 { x: V::splat(v.x), y: V::splat(v.y), z: V::splat(v.z) }
-}
-
-/// `RigidVelocity::at`.
-#[inline(always)]
-fn velocity_at<V: Lanes>(v: &RigidVelocity, x: V3<V>) -> V3<V> {
-    splat::<V>(v.spin).cross_plus(x - splat::<V>(v.point), splat::<V>(v.velocity))
-}
-
-/// Nearest points of a wall to eight spheres, of which only `valid` ones matter.
-#[inline(always)]
-fn nearest<V: Lanes>(
-    wall: &PlacedWall,
-    position: View<'_, Record>,
-    places: &[u32; 8],
-    x: V3<V>,
-    valid: u8,
-) -> Near<V> {
-    let zero = V::splat(0.0);
-    let flat = V::splat(f64::INFINITY);
-    match &wall.shape {
-        PlacedShape::Plane(p) => {
-            let distance = (x - splat(p.point)).dot(splat(p.normal));
-            return Near { normal: -splat::<V>(p.normal), distance, wall_radius: flat };
-        }
-        PlacedShape::Disc(c) => {
-            let normal = splat::<V>(c.normal);
-            let d = x - splat(c.centre);
-            let height = d.dot(normal);
-            let radial = d.less_times(normal, height);
-            let rho_squared = radial.dot(radial);
-            let beyond = V::splat(c.radius * c.radius).less(rho_squared)
-                | rho_squared.less(V::splat(c.hole_radius * c.hole_radius));
-            if beyond & valid == 0 {
-                let behind = height.less(zero);
-                let normal = normal.select(behind, -normal);
-                return Near { normal, distance: height.abs(), wall_radius: flat };
-            }
-        }
-        PlacedShape::Cylinder(c) if c.length.is_none() && c.side == Side::Inside => {
-            let axis = splat::<V>(c.axis);
-            let d = x - splat(c.point);
-            let radial = d.less_times(axis, d.dot(axis));
-            let rho = radial.dot(radial).sqrt();
-            if valid & !zero.less(rho) == 0 {
-                return Near {
-                    normal: radial * (V::splat(1.0) / rho),
-                    distance: V::splat(c.radius) - rho,
-                    wall_radius: V::splat(-2.0 * c.radius),
-                };
-            }
-        }
-        _ => {}
-    }
-    one_by_one(wall, position, places)
-}
-
-/// The same by the shape's own function.
+/// `nearest` by the shape's own function; what it knows nothing of stays zero.
 #[cold]
 fn one_by_one<V: Lanes>(
     wall: &PlacedWall,
@@ -351,12 +296,9 @@ fn one_by_one<V: Lanes>(
 ) -> Near<V> {
     let mut columns = [[0.0; 8]; 5];
     for (lane, &place) in places.iter().enumerate() {
-        if let Some(n) = wall.nearest(position[place as usize].vector()) {
-            let normal = n.normal_to_wall;
-            let fields = [normal.x, normal.y, normal.z, n.distance, n.wall_radius];
-            for (column, field) in columns.iter_mut().zip(fields) {
-                column[lane] = field;
-            }
+        let fields = nearest_alone(wall, position[place as usize].vector()).unwrap_or_default();
+        for (column, field) in columns.iter_mut().zip(fields) {
+            column[lane] = field;
         }
     }
     let [x, y, z, distance, wall_radius] = &columns;
