@@ -5,6 +5,8 @@ mod blind;
 mod ci;
 mod dosta;
 mod instructions;
+#[path = "../../crates/tumble/src/pages.rs"]
+mod pages;
 mod peers;
 mod reproduce;
 mod scratch;
@@ -130,7 +132,11 @@ fn main() -> ExitCode {
         Task::Scratch => scratch::run(),
         Task::Dosta(options) => dosta::run(&options),
         Task::Instructions => instructions::run(),
-        Task::Peers(options) => peers::run(&options),
+        Task::Peers(options) => {
+            // As the program itself does; peers, which are started from here, have the same.
+            pages::ask_for_large_ones();
+            peers::run(&options)
+        }
         Task::Blind(blind) => blind::run(&blind),
         Task::PeersWorker(work) => peers::run_worker(&work),
         Task::PeersMemoryWorker(work) => peers::run_memory_worker(&work),

@@ -8,6 +8,7 @@ mod experiment;
 mod given;
 mod input;
 mod output;
+mod pages;
 mod report;
 
 use std::process::ExitCode;
@@ -19,6 +20,7 @@ use crate::input::is_input_fault;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    pages::ask_for_large_ones();
     let done = match &cli.command {
         Command::Cases(args) => command::cases::run(args),
         Command::Fit(args) => command::fit::run(args),

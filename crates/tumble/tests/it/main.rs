@@ -3,5 +3,6 @@
 mod bad_input;
 mod calibrate;
 mod campaigns;
+mod pages;
 mod pictures;
 mod run;
