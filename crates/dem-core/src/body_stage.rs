@@ -160,7 +160,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 let spheres = members.of_bodies(run.begin..run.begin + range.len());
                 let sums = &mut sums[..range.len()];
                 let piece = Piece { integrator, kick, drift, run, spheres, sums };
-                let (flow, farthest) = on_records(level, piece);
+                let (flow, farthest) = on_records(level, self.make.arithmetic, piece);
                 result.flow.add(&flow);
                 result.moved_far |= farthest.too_far;
                 *moved = moved.max(farthest.square);
@@ -218,7 +218,7 @@ impl<M> Kick<'_, M> {
             if self.ledger {
                 flow.gravity_turn -= mass * self.gravity_rate.dot(run.position[k].vector());
             }
-            let new = Q::load(&force) * (1.0 / mass) + gravity;
+            let new = gravity.plus_times(Q::load(&force), 1.0 / mass);
             let old = Q::load(&run.acceleration[k]);
             new.with_scalar_of(old).store(&mut run.acceleration[k]);
             let moment = run.spin[k].w;
@@ -279,23 +279,31 @@ impl<M> Kick<'_, M> {
         }
         let mut farthest = Farthest::default();
         let whole = count - count % W::COUNT;
-        self.some_and_drift::<W, I>(drift, integrator, run, sums, 0..whole, &mut farthest);
-        self.some_and_drift::<Q, I>(drift, integrator, run, sums, whole..count, &mut farthest);
+        let (far, of) = (&mut farthest, (drift, integrator));
+        if self.make.one_inertia.is_some() {
+            self.some_and_drift::<W, I, true>(of, run, sums, 0..whole, far);
+            self.some_and_drift::<Q, I, true>(of, run, sums, whole..count, far);
+        } else {
+            self.some_and_drift::<W, I, false>(of, run, sums, 0..whole, far);
+            self.some_and_drift::<Q, I, false>(of, run, sums, whole..count, far);
+        }
         farthest
     }
 
-    /// The same for some of them, as many at a time as `W` holds.
+    /// The same for some of them, as many at a time as `W` holds: of bodies `ALIKE`, mass and moment of inertia are those
+    /// of all.
     #[inline(always)]
-    fn some_and_drift<W: Quads, I: Integrator>(
+    fn some_and_drift<W: Quads, I: Integrator, const ALIKE: bool>(
         &self,
-        drift: &Drift<'_>,
-        integrator: &I,
+        (drift, integrator): (&Drift<'_>, &I),
         run: &mut Run<'_>,
         sums: &mut [Pull],
         bodies: std::ops::Range<usize>,
         farthest: &mut Farthest,
     ) {
         let dt = self.dt;
+        let [mass, moment] = self.make.one_inertia.unwrap_or([1.0; 2]);
+        let (by_mass, by_moment) = (1.0 / mass, 1.0 / moment);
         let (gravity, none) = (W::alike(&Record::new(self.gravity, 0.0)), W::alike(&Record::ZERO));
         let [x, y, z, shift] = drift.frame.columns();
         let frame = [W::alike(&x), W::alike(&y), W::alike(&z), W::alike(&shift)];
@@ -303,16 +311,22 @@ impl<M> Kick<'_, M> {
         let run = run.even();
         for k in bodies.step_by(W::COUNT) {
             // The sums are zero again for whose turn comes next.
+            debug_assert!(sums[k].force.w == 0.0 && sums[k].torque.w == 0.0, "a sum has a scalar");
             let [force, torque] = W::take(&mut sums[k..]);
             let mean = W::load_some(&run.mean_velocity[k..]);
-            let a = force.over_scalars_of(mean) + gravity;
+            // Sums have no scalars, so that those of means stay.
+            let a = if ALIKE {
+                gravity.plus_times(force, by_mass)
+            } else {
+                gravity.plus_over_scalars(force, mean)
+            };
             let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
             let d = integrator.drift(v, a, &mut { none }, dt);
-            d.mean_velocity.with_scalars_of(mean).store_some(&mut run.mean_velocity[k..]);
+            d.mean_velocity.store_some(&mut run.mean_velocity[k..]);
             let end = W::load_some(&run.end_velocity[k..]);
             d.end_velocity.with_scalars_of(end).store_some(&mut run.end_velocity[k..]);
             let position = W::load_some(&run.position[k..]);
-            let position = (position + d.mean_velocity * dt).with_scalars_of(position);
+            let position = position.plus_times(d.mean_velocity, dt).with_scalars_of(position);
             position.store_some(&mut run.position[k..]);
             let then = W::load_some(&reference[k..]);
             let (square, too_far) = (position - then.turned(&frame)).beyond(then);
@@ -320,11 +334,11 @@ impl<M> Kick<'_, M> {
             farthest.square = if square > farthest.square { square } else { farthest.square };
             let old = W::load_some(&run.spin[k..]);
             let mean = W::load_some(&run.mean_spin[k..]);
-            let a = torque.over_scalars_of(old);
+            let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(old) };
             let w = integrator.kick(old, mean, none, a, &mut { none }, dt);
             w.with_scalars_of(old).store_some(&mut run.spin[k..]);
             let d = integrator.drift(w, a, &mut { none }, dt);
-            d.mean_velocity.with_scalars_of(mean).store_some(&mut run.mean_spin[k..]);
+            d.mean_velocity.store_some(&mut run.mean_spin[k..]);
         }
     }
 }
@@ -357,7 +371,7 @@ impl Drift<'_> {
             let d = integrator.drift(v, a, &mut memory, dt);
             remember::<Q, I>(run.linear, k, memory);
             let position = Q::load(&run.position[k]);
-            let position = (position + d.mean_velocity * dt).with_scalar_of(position);
+            let position = position.plus_times(d.mean_velocity, dt).with_scalar_of(position);
             position.store(&mut run.position[k]);
             let old = Q::load(&run.mean_velocity[k]);
             d.mean_velocity.with_scalar_of(old).store(&mut run.mean_velocity[k]);

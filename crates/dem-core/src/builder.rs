@@ -48,9 +48,10 @@ pub enum Kernels {
     /// The widest that the processor has.
     #[default]
     Fastest,
-    /// The widest, with products that are not rounded before they are added to something, one division for several
-    /// reciprocals and the spring's length by a series, all to rounding, but not the bits of the others. Runs are the same for any number of threads and with AVX-512 as with AVX2; where there is neither
-    /// they are those of [`Kernels::Portable`].
+    /// The widest, with products that are not rounded before they are added to something (in contacts and in the integrator),
+    /// one division for several reciprocals and the spring's length by a series, all to rounding, but not the bits of the
+    /// others. Runs are the same for any number of threads and with AVX-512 as with AVX2; where there is neither they are those
+    /// of [`Kernels::Portable`].
     Fused,
     /// The same, with the reciprocal roots of the limits to friction and rolling by table and two Newton steps where AVX-512 is
     /// there: about two units in the last place from exact, each. Runs are still the same for any number
@@ -352,6 +353,10 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             (Some(radius), Some(mass)) if self.shapes.is_empty() => Some([radius, mass]),
             _ => None,
         };
+        let one_inertia = match (one_size, alike(&state.bodies.spin)) {
+            (Some([_, mass]), Some(moment)) => Some([mass, moment]),
+            _ => None,
+        };
         let mut state = state;
         if !I::REMEMBERS {
             state.bodies.linear_memory = Vec::new();
@@ -384,6 +389,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 fast,
                 one_material: one_material.map(|m| m as usize),
                 one_size,
+                one_inertia,
                 arithmetic: match (self.kernels, level) {
                     (Kernels::FastRoots, Level::Avx512) => Arithmetic::FastRoots,
                     (Kernels::Fused | Kernels::FastRoots, Level::Avx2 | Level::Avx512) => {

@@ -394,7 +394,7 @@ impl<M, I: Integrator> Finish<'_, M, I> {
         let (integrator, kick, drift) = (self.integrator, Some(self.kick), self.drift);
         let (run, spheres) = (whole.some(0..count), &*clumps.2);
         let piece = Piece { integrator, kick, drift, run, spheres, sums };
-        let (_, mut farthest) = on_records(self.level, piece);
+        let (_, mut farthest) = on_records(self.level, self.kick.make.arithmetic, piece);
         if drift.is_some() {
             let turned = self.turns.turn_and_place(&mut whole, clumps);
             farthest.too_far |= turned.too_far;

@@ -130,6 +130,8 @@ pub(crate) struct Make<M> {
     pub(crate) one_material: Option<usize>,
     /// Radius and mass of all particles, if they are spheres alike.
     pub(crate) one_size: Option<[f64; 2]>,
+    /// Mass and moment of inertia of all particles, likewise.
+    pub(crate) one_inertia: Option<[f64; 2]>,
     /// How the vector kernels compute.
     pub(crate) arithmetic: crate::simd::Arithmetic,
     pub(crate) overlap_limit: f64,

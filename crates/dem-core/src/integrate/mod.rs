@@ -29,6 +29,12 @@ pub trait Vector:
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<f64, Output = Self>
 {
+    /// `self + other * factor`; vectors of fused kernels round it once.
+    #[inline(always)]
+    #[must_use]
+    fn plus_times(self, other: Self, factor: f64) -> Self {
+        self + other * factor
+    }
 }
 
 impl Vector for DVec3 {}

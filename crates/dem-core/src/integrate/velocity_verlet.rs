@@ -23,9 +23,8 @@ impl Integrator for VelocityVerlet {
 
     #[inline(always)]
     fn drift<V: Vector>(&self, velocity: V, acceleration: V, _: &mut V, dt: f64) -> Drift<V> {
-        let half_kick = acceleration * (0.5 * dt);
-        let middle = velocity + half_kick;
-        Drift { mean_velocity: middle, end_velocity: middle + half_kick }
+        let middle = velocity.plus_times(acceleration, 0.5 * dt);
+        Drift { mean_velocity: middle, end_velocity: middle.plus_times(acceleration, 0.5 * dt) }
     }
 
     #[inline(always)]
@@ -38,6 +37,6 @@ impl Integrator for VelocityVerlet {
         _: &mut V,
         dt: f64,
     ) -> V {
-        mean_velocity + acceleration * (0.5 * dt)
+        mean_velocity.plus_times(acceleration, 0.5 * dt)
     }
 }

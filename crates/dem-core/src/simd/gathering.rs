@@ -90,7 +90,7 @@ struct OnClump<const FUSED: bool> {
 /// # Safety
 /// AVX2 is there and all of them can be read.
 #[inline(always)]
-unsafe fn remembered<const FUSED: bool>(
+pub(super) unsafe fn remembered<const FUSED: bool>(
     from: *const f64,
     at: &[u32; 4],
 ) -> Remembered<Half<FUSED>> {

@@ -393,6 +393,8 @@ pub(crate) trait Quads: crate::integrate::Vector {
     fn with_scalars_of(self, other: Self) -> Self;
     /// Vectors divided by the scalars of other records, by way of their reciprocals.
     fn over_scalars_of(self, other: Self) -> Self;
+    /// These vectors and others, which are divided by the scalars of `of` in that way.
+    fn plus_over_scalars(self, other: Self, of: Self) -> Self;
     /// `frame[0] x + frame[1] y + frame[2] z + frame[3]`.
     fn turned(self, frame: &[Self; 4]) -> Self;
     /// The largest square of the vectors, and whether one of them is not below the scalar of its `limit`; a square that is no number
@@ -428,9 +430,13 @@ impl<Q: Quad> Quads for Q {
         self * (1.0 / other.record().w)
     }
     #[inline(always)]
+    fn plus_over_scalars(self, other: Self, of: Self) -> Self {
+        self.plus_times(other, 1.0 / of.record().w)
+    }
+    #[inline(always)]
     fn turned(self, [x, y, z, shift]: &[Self; 4]) -> Self {
         let r = self.record();
-        *x * r.x + *y * r.y + *z * r.z + *shift
+        (*x * r.x).plus_times(*y, r.y).plus_times(*z, r.z) + *shift
     }
     #[inline(always)]
     fn beyond(self, limit: Self) -> (f64, bool) {

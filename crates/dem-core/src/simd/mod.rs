@@ -297,21 +297,27 @@ pub(crate) trait RecordWork {
     fn run<Q: Quad, W: Quads>(self) -> Self::Yield;
 }
 
-/// Do `work` with the registers of `level`: the same operations on each number.
+/// Do `work` with the registers of `level`: the same operations on each number, of which those that fuse are rounded once
+/// unless the arithmetic is exact.
 #[inline(always)]
-pub(crate) fn on_records<W: RecordWork>(level: Level, work: W) -> W::Yield {
+pub(crate) fn on_records<W: RecordWork>(level: Level, arithmetic: Arithmetic, work: W) -> W::Yield {
     #[cfg(target_arch = "x86_64")]
     if level != Level::Portable {
         return widened(
             level,
             #[inline(always)]
-            || match level {
-                Level::Avx512 => work.run::<records::Four, records::Eight>(),
-                _ => work.run::<records::Four, records::Four>(),
+            || {
+                use records::{Eight, Four};
+                match (level, arithmetic) {
+                    (Level::Avx512, Arithmetic::Exact) => work.run::<Four<false>, Eight<false>>(),
+                    (Level::Avx512, _) => work.run::<Four<true>, Eight<true>>(),
+                    (_, Arithmetic::Exact) => work.run::<Four<false>, Four<false>>(),
+                    _ => work.run::<Four<true>, Four<true>>(),
+                }
             },
         );
     }
-    let _ = level;
+    let _ = (level, arithmetic);
     work.run::<Record, Record>()
 }
 
@@ -320,7 +326,7 @@ pub(crate) fn on_records<W: RecordWork>(level: Level, work: W) -> W::Yield {
 pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     {
-        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,popcnt")]
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,popcnt")]
         unsafe fn avx512<R>(work: impl FnOnce() -> R) -> R {
             work()
         }

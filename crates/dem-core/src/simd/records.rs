@@ -10,11 +10,11 @@ use crate::sums::Pull;
 
 /// One record in a register.
 #[derive(Clone, Copy)]
-pub(super) struct Four(__m256d);
+pub(super) struct Four<const FUSED: bool>(__m256d);
 
 macro_rules! four {
     ($trait:ident, $name:ident, $op:ident) => {
-        impl $trait for Four {
+        impl<const FUSED: bool> $trait for Four<FUSED> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, o: Self) -> Self {
@@ -27,7 +27,7 @@ macro_rules! four {
 four!(Add, add, _mm256_add_pd);
 four!(Sub, sub, _mm256_sub_pd);
 
-impl Mul<f64> for Four {
+impl<const FUSED: bool> Mul<f64> for Four<FUSED> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: f64) -> Self {
@@ -36,10 +36,19 @@ impl Mul<f64> for Four {
     }
 }
 
-impl crate::integrate::Vector for Four {}
+impl<const FUSED: bool> crate::integrate::Vector for Four<FUSED> {
+    #[inline(always)]
+    fn plus_times(self, o: Self, s: f64) -> Self {
+        if !FUSED {
+            return self + o * s;
+        }
+        // SAFETY: as above.
+        Self(unsafe { _mm256_fmadd_pd(o.0, _mm256_set1_pd(s), self.0) })
+    }
+}
 
 // SAFETY of all blocks below: as above; records lie at multiples of 32.
-impl Quad for Four {
+impl<const FUSED: bool> Quad for Four<FUSED> {
     #[inline(always)]
     fn load(from: &Record) -> Self {
         Self(unsafe { _mm256_load_pd(std::ptr::from_ref(from).cast()) })
@@ -65,11 +74,11 @@ impl Quad for Four {
 
 /// Two records side by side.
 #[derive(Clone, Copy)]
-pub(super) struct Eight(__m512d);
+pub(super) struct Eight<const FUSED: bool>(__m512d);
 
 macro_rules! eight {
     ($trait:ident, $name:ident, $op:ident) => {
-        impl $trait for Eight {
+        impl<const FUSED: bool> $trait for Eight<FUSED> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, o: Self) -> Self {
@@ -82,7 +91,7 @@ macro_rules! eight {
 eight!(Add, add, _mm512_add_pd);
 eight!(Sub, sub, _mm512_sub_pd);
 
-impl Mul<f64> for Eight {
+impl<const FUSED: bool> Mul<f64> for Eight<FUSED> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: f64) -> Self {
@@ -91,10 +100,44 @@ impl Mul<f64> for Eight {
     }
 }
 
-impl crate::integrate::Vector for Eight {}
+impl<const FUSED: bool> crate::integrate::Vector for Eight<FUSED> {
+    #[inline(always)]
+    fn plus_times(self, o: Self, s: f64) -> Self {
+        if !FUSED {
+            return self + o * s;
+        }
+        // SAFETY: as above.
+        Self(unsafe { _mm512_fmadd_pd(o.0, _mm512_set1_pd(s), self.0) })
+    }
+}
+
+impl<const FUSED: bool> Eight<FUSED> {
+    /// One over the scalar of each record, in all of its numbers.
+    #[inline(always)]
+    fn reciprocal_scalars(self) -> Self {
+        // SAFETY: as above.
+        unsafe {
+            let scalars = _mm512_permutex_pd::<0xFF>(self.0);
+            Self(_mm512_div_pd(_mm512_set1_pd(1.0), scalars))
+        }
+    }
+
+    /// `self + a * b`, number by number.
+    #[inline(always)]
+    fn plus_product(self, a: &Self, b: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe {
+            if FUSED {
+                _mm512_fmadd_pd(a.0, b.0, self.0)
+            } else {
+                _mm512_add_pd(self.0, _mm512_mul_pd(a.0, b.0))
+            }
+        })
+    }
+}
 
 // SAFETY of all blocks below: as above; two records are eight numbers, and so is a pull.
-impl Quads for Eight {
+impl<const FUSED: bool> Quads for Eight<FUSED> {
     const COUNT: usize = 2;
     #[inline(always)]
     fn alike(record: &Record) -> Self {
@@ -132,19 +175,19 @@ impl Quads for Eight {
     }
     #[inline(always)]
     fn over_scalars_of(self, o: Self) -> Self {
-        unsafe {
-            let scalars = _mm512_permutex_pd::<0xFF>(o.0);
-            Self(_mm512_mul_pd(self.0, _mm512_div_pd(_mm512_set1_pd(1.0), scalars)))
-        }
+        Self(unsafe { _mm512_mul_pd(self.0, o.reciprocal_scalars().0) })
+    }
+    #[inline(always)]
+    fn plus_over_scalars(self, o: Self, of: Self) -> Self {
+        self.plus_product(&o, of.reciprocal_scalars())
     }
     #[inline(always)]
     fn turned(self, [x, y, z, shift]: &[Self; 4]) -> Self {
         unsafe {
-            let along_x = _mm512_mul_pd(x.0, _mm512_permutex_pd::<0x00>(self.0));
-            let along_y = _mm512_mul_pd(y.0, _mm512_permutex_pd::<0x55>(self.0));
-            let along_z = _mm512_mul_pd(z.0, _mm512_permutex_pd::<0xAA>(self.0));
-            let sum = _mm512_add_pd(_mm512_add_pd(along_x, along_y), along_z);
-            Self(_mm512_add_pd(sum, shift.0))
+            let along_x = Self(_mm512_mul_pd(x.0, _mm512_permutex_pd::<0x00>(self.0)));
+            let along_xy = along_x.plus_product(y, Self(_mm512_permutex_pd::<0x55>(self.0)));
+            let sum = along_xy.plus_product(z, Self(_mm512_permutex_pd::<0xAA>(self.0)));
+            sum + *shift
         }
     }
     #[inline(always)]

@@ -7,6 +7,7 @@ use std::mem::MaybeUninit;
 use super::avx::put_quad;
 use super::carried::{Before, Remembered};
 use super::facing::{Faced, Near, brush, face, nearest, nearest_alone};
+use super::gathering::remembered;
 use super::half::{Half, Which};
 use super::hertz_mindlin::{Laws, Motion, Pressed, SLOTS, answer, press, would_be};
 use super::lanes::{Numbers, V3};
@@ -125,14 +126,13 @@ impl PairKernel<'_> {
                 let position = V3::of(p);
                 let near = nearest(wall, position, Which::of(desk.valid[g]))
                     .unwrap_or_else(|| self.one_by_one(wall, places));
-                let [x, y, z, stiffness] = Half::quads(memory, &entries.map(|e| SLOTS as u32 * e));
                 desk.given[g].write(Given {
                     position,
                     size: [p[3], v[3]],
                     velocity: V3::of(v),
                     spin: V3::of(Half::quads(s.mean_spin.as_ptr().cast(), places)),
                     end: V3::of(Half::quads(s.end_velocity.as_ptr().cast(), places)),
-                    old: Remembered { spring: V3 { x, y, z }, stiffness },
+                    old: remembered(memory, &entries.map(|e| SLOTS as u32 * e)),
                     near,
                 });
             }

@@ -22,7 +22,7 @@ fn scene(ratio: f64, threads: usize, periodic: bool, kernels: Kernels) -> World<
 fn one_pass_and_two_stages_agree_bit_by_bit() {
     // Of one size and of several, on one grid and on two.
     for (ratio, periodic) in [(1.0, false), (1.5, true), (3.0, false)] {
-        for kernels in [Kernels::Fastest, Kernels::Portable] {
+        for kernels in [Kernels::Fastest, Kernels::Fused, Kernels::Portable] {
             let mut together = scene(ratio, 1, periodic, kernels);
             let mut apart = scene(ratio, 1, periodic, kernels);
             let mut threads = scene(ratio, 3, periodic, kernels);
