@@ -6,7 +6,7 @@ use rig_schema::{Layer, Rig};
 use crate::Resolution;
 
 /// Version of what turns parameters into motions; a change of it empties the cache.
-const MOTION: &str = concat!(env!("CARGO_PKG_VERSION"), "/7");
+const MOTION: &str = concat!(env!("CARGO_PKG_VERSION"), "/6");
 
 /// Version of what turns motions into responses (film and reader); a change of it has kept motions
 /// filmed and measured anew.
