@@ -452,4 +452,30 @@ mod tests {
             assert_eq!(run(1), run(2), "{kernels:?}");
         }
     }
+
+    #[test]
+    fn bodies_keep_their_scalars_while_their_vectors_change() {
+        // Mass twice, moment of inertia, radius, material and charge, by name.
+        let scalars = |world: &World<Model>| {
+            let b = &world.state.bodies;
+            let mut all: Vec<_> = (0..b.len())
+                .map(|k| {
+                    let of = [&b.velocity, &b.mean_velocity, &b.spin, &b.position, &b.mean_spin];
+                    (b.id[k], of.map(|column| column[k].w), b.end_velocity[k].w)
+                })
+                .collect();
+            all.sort_by_key(|(id, ..)| *id);
+            all
+        };
+        for kernels in [Kernels::Fastest, Kernels::Fused, Kernels::Portable] {
+            // Alike and not: one mass for all, or that of each.
+            for (materials, scatter) in [(2, 0.0), (3, 0.3)] {
+                let mut world = beads(kernels, materials, scatter);
+                let before = scalars(&world);
+                world.run(6000).unwrap();
+                assert!(world.contact_count() > 50, "{}", world.contact_count());
+                assert_eq!(before, scalars(&world), "{kernels:?}, {materials}, {scatter}");
+            }
+        }
+    }
 }
