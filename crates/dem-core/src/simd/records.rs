@@ -103,11 +103,8 @@ impl<const FUSED: bool> Mul<f64> for Eight<FUSED> {
 impl<const FUSED: bool> crate::integrate::Vector for Eight<FUSED> {
     #[inline(always)]
     fn plus_times(self, o: Self, s: f64) -> Self {
-        if !FUSED {
-            return self + o * s;
-        }
         // SAFETY: as above.
-        Self(unsafe { _mm512_fmadd_pd(o.0, _mm512_set1_pd(s), self.0) })
+        self.plus_product(&o, Self(unsafe { _mm512_set1_pd(s) }))
     }
 }
 
