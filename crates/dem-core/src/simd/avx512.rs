@@ -6,15 +6,17 @@ use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::avx::{pack_fours, pack_own_fours, put_quad, quad, sums_at};
-use super::lanes::{Lanes, Numbers};
+use super::group::Group;
+use super::lanes::{Lanes, Numbers, V3};
 
-/// Eight lanes of one AVX-512 register, whose products are rounded before they are added unless `FUSED`.
+/// Eight lanes of one AVX-512 register, whose products are rounded before they are added unless `FUSED`, and whose
+/// reciprocals and roots come from the processor's table if `FAST`.
 #[derive(Clone, Copy)]
-pub(super) struct Wide<const FUSED: bool>(__m512d);
+pub(super) struct Wide<const FUSED: bool, const FAST: bool>(__m512d);
 
 macro_rules! wide {
     ($trait:ident, $name:ident, $op:ident) => {
-        impl<const FUSED: bool> $trait for Wide<FUSED> {
+        impl<const FUSED: bool, const FAST: bool> $trait for Wide<FUSED, FAST> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, o: Self) -> Self {
@@ -29,7 +31,7 @@ wide!(Sub, sub, _mm512_sub_pd);
 wide!(Mul, mul, _mm512_mul_pd);
 wide!(Div, div, _mm512_div_pd);
 
-impl<const FUSED: bool> Neg for Wide<FUSED> {
+impl<const FUSED: bool, const FAST: bool> Neg for Wide<FUSED, FAST> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -56,7 +58,9 @@ unsafe fn rows<const EACH: usize>(from: *const f64, p: &[u32; 8], k: usize) -> _
 /// # Safety
 /// AVX-512 is there.
 #[inline(always)]
-unsafe fn rows_of<const FUSED: bool>([x, y, z, w]: [Wide<FUSED>; 4]) -> [__m512d; 4] {
+unsafe fn rows_of<const FUSED: bool, const FAST: bool>(
+    [x, y, z, w]: [Wide<FUSED, FAST>; 4],
+) -> [__m512d; 4] {
     // SAFETY: by the caller.
     unsafe {
         let (xy, xy2) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
@@ -90,7 +94,9 @@ unsafe fn add_wide(to: *mut f64, at: u32, wrench: __m512d) {
 /// # Safety
 /// AVX-512 is there.
 #[inline(always)]
-unsafe fn columns<const FUSED: bool>([a, b, c, d]: [__m512d; 4]) -> [Wide<FUSED>; 4] {
+unsafe fn columns<const FUSED: bool, const FAST: bool>(
+    [a, b, c, d]: [__m512d; 4],
+) -> [Wide<FUSED, FAST>; 4] {
     // SAFETY: by the caller.
     unsafe {
         let (xz, yw) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
@@ -108,9 +114,10 @@ unsafe fn columns<const FUSED: bool>([a, b, c, d]: [__m512d; 4]) -> [Wide<FUSED>
 
 // SAFETY of all blocks below: values exist only where AVX-512 was detected; references to arrays
 // of eight numbers are valid for the unaligned loads and stores.
-impl<const FUSED: bool> Numbers for Wide<FUSED> {
+impl<const FUSED: bool, const FAST: bool> Numbers for Wide<FUSED, FAST> {
     type Mask = u8;
     const FUSED: bool = FUSED;
+    const FAST: bool = FAST;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self(unsafe { _mm512_set1_pd(x) })
@@ -140,17 +147,37 @@ impl<const FUSED: bool> Numbers for Wide<FUSED> {
         Self(unsafe { _mm512_sqrt_pd(self.0) })
     }
     #[inline(always)]
+    fn root(self) -> Self {
+        if !FAST {
+            return self.sqrt();
+        }
+        let inverse = self.max(Self::splat(f64::MIN_POSITIVE)).reciprocal_root();
+        self * inverse
+    }
+    #[inline(always)]
     fn reciprocal_root(self) -> Self {
-        // 14 bits from the table; each Newton step y += y (1 - x y^2) / 2 squares the error:
-        // 6e-5, 5e-9, 4e-17, so rounding is left.
+        // 14 bits from the table. What its square lacks, `e = 1 - x y^2`, is below 1.3e-4, and the root of `1 - e` is in
+        // the denominator: a series whose next term is below 7e-17.
         unsafe {
-            let (half, one) = (_mm512_set1_pd(0.5), _mm512_set1_pd(1.0));
-            let mut y = _mm512_rsqrt14_pd(self.0);
-            for _ in 0..2 {
-                let error = _mm512_fnmadd_pd(_mm512_mul_pd(self.0, y), y, one);
-                y = _mm512_fmadd_pd(_mm512_mul_pd(y, half), error, y);
-            }
-            Self(y)
+            let y = _mm512_rsqrt14_pd(self.0);
+            let e = _mm512_fnmadd_pd(_mm512_mul_pd(self.0, y), y, _mm512_set1_pd(1.0));
+            let (a1, a2) = (_mm512_set1_pd(1.0 / 2.0), _mm512_set1_pd(3.0 / 8.0));
+            let a3 = _mm512_set1_pd(5.0 / 16.0);
+            let series = _mm512_fmadd_pd(_mm512_fmadd_pd(a3, e, a2), e, a1);
+            Self(_mm512_fmadd_pd(_mm512_mul_pd(y, e), series, y))
+        }
+    }
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        if !FAST {
+            return Self::splat(1.0) / self;
+        }
+        // 14 bits from the table, and `1 / (1 - e)` as `(1 + e) (1 + e^2)`: the next term is below 2e-17.
+        unsafe {
+            let y = _mm512_rcp14_pd(self.0);
+            let e = _mm512_fnmadd_pd(self.0, y, _mm512_set1_pd(1.0));
+            let once = _mm512_fmadd_pd(y, e, y);
+            Self(_mm512_fmadd_pd(once, _mm512_mul_pd(e, e), once))
         }
     }
     #[inline(always)]
@@ -185,7 +212,7 @@ impl<const FUSED: bool> Numbers for Wide<FUSED> {
 }
 
 // SAFETY: as above.
-impl<const FUSED: bool> Lanes for Wide<FUSED> {
+impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
     #[inline(always)]
     fn load(from: &[f64; 8]) -> Self {
         Self(unsafe { _mm512_loadu_pd(from.as_ptr()) })
@@ -257,5 +284,40 @@ impl<const FUSED: bool> Lanes for Wide<FUSED> {
                 _mm512_sub_pd(rows::<EACH>(from, of, 3), rows::<EACH>(from, less, 3)),
             ])
         }
+    }
+}
+
+impl<const FUSED: bool, const FAST: bool> From<[f64; 8]> for Wide<FUSED, FAST> {
+    #[inline(always)]
+    fn from(each: [f64; 8]) -> Self {
+        Self::load(&each)
+    }
+}
+
+// SAFETY: as above, and by the caller.
+impl<const FUSED: bool, const FAST: bool> Group<8> for Wide<FUSED, FAST> {
+    #[inline(always)]
+    fn which(bits: u8) -> u8 {
+        bits
+    }
+    #[inline(always)]
+    fn each(self) -> [f64; 8] {
+        let mut each = [0.0; 8];
+        self.store(&mut each);
+        each
+    }
+    #[inline(always)]
+    fn bits(mask: u8) -> u8 {
+        mask
+    }
+    #[inline(always)]
+    unsafe fn quads(from: *const f64, at: &[u32; 8]) -> [Self; 4] {
+        unsafe { <Self as Lanes>::quads::<1>(from, at) }
+    }
+    #[inline(always)]
+    unsafe fn put_used(v: V3<Self>, scalar: Self, used: u8, to: *mut f64, at: &[u32; 8]) {
+        let zero = Self::splat(0.0);
+        let v = v.select(used, V3::splat(0.0));
+        unsafe { Self::put_quads([v.x, v.y, v.z, scalar.select(used, zero)], to, at) }
     }
 }

@@ -167,6 +167,7 @@ impl<V: Lanes> Neg for Two<V> {
 impl<V: Lanes> Numbers for Two<V> {
     type Mask = TwoBits;
     const FUSED: bool = V::FUSED;
+    const FAST: bool = V::FAST;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self(V::splat(x), V::splat(x))
@@ -190,6 +191,14 @@ impl<V: Lanes> Numbers for Two<V> {
     #[inline(always)]
     fn reciprocal_root(self) -> Self {
         Self(self.0.reciprocal_root(), self.1.reciprocal_root())
+    }
+    #[inline(always)]
+    fn root(self) -> Self {
+        Self(self.0.root(), self.1.root())
+    }
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        Self(self.0.reciprocal(), self.1.reciprocal())
     }
     #[inline(always)]
     fn abs(self) -> Self {

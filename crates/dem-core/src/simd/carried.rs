@@ -63,17 +63,14 @@ impl<V: Numbers> Before<V> {
         (before, over_more)
     }
 
-    /// In fused kernels, by itself.
+    /// In fused kernels, by itself: `along` is the part of the spring along the normal.
     #[inline(always)]
-    pub(super) fn by_itself(old: &Remembered<V>, normal: V3<V>) -> Self {
-        let along = old.spring.dot(normal);
-        Self::fused(
-            old,
-            V::splat(1.0),
-            #[inline(always)]
-            |_| along,
-        )
-        .0
+    pub(super) fn by_itself(old: &Remembered<V>, along: V) -> Self {
+        let least = V::splat(LEAST);
+        let square = old.spring.dot(old.spring).max(least);
+        let size = old.stiffness.abs().max(least);
+        let over_both = (square * size).reciprocal();
+        Self { along, over_square: over_both * size, over_stiffness: over_both * square }
     }
 
     /// The spring's force now, before slip, where the stiffness is `k` and the contact has turned by `twist` about

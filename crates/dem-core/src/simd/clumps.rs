@@ -22,7 +22,7 @@ pub(crate) trait OnBodies: Sized {
             #[inline(always)]
             || match level {
                 #[cfg(target_arch = "x86_64")]
-                Level::Avx512 => self.eights::<super::avx512::Wide<false>>(),
+                Level::Avx512 => self.eights::<super::avx512::Wide<false, false>>(),
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx2 => self.eights::<super::avx2::Pair<false>>(),
                 _ => self.one_by_one(),

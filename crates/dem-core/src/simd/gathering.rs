@@ -6,6 +6,7 @@ use std::mem::MaybeUninit;
 
 use super::acting::Acting;
 use super::carried::Remembered;
+use super::group::Group;
 use super::half::Half;
 use super::lanes::V3;
 use super::pairs::PairKernel;
@@ -85,17 +86,17 @@ struct OnClump<const FUSED: bool> {
     end: V3<Half<FUSED>>,
 }
 
-/// What four contacts remember, whose numbers begin there.
+/// What contacts remember, whose numbers begin there.
 ///
 /// # Safety
-/// AVX2 is there and all of them can be read.
+/// The instructions of the group are there and all numbers can be read.
 #[inline(always)]
-pub(super) unsafe fn remembered<const FUSED: bool>(
+pub(super) unsafe fn remembered<V: Group<N>, const N: usize>(
     from: *const f64,
-    at: &[u32; 4],
-) -> Remembered<Half<FUSED>> {
+    at: &[u32; N],
+) -> Remembered<V> {
     // SAFETY: by the caller.
-    let [x, y, z, stiffness] = unsafe { Half::quads(from, at) };
+    let [x, y, z, stiffness] = unsafe { V::quads(from, at) };
     Remembered { spring: V3 { x, y, z }, stiffness }
 }
 

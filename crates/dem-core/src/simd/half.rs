@@ -4,7 +4,8 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::avx::{mask4, quad, transpose};
+use super::avx::{mask4, put_quad, quad, transpose};
+use super::group::Group;
 use super::lanes::{Mask, Numbers, V3};
 
 /// Four lanes.
@@ -160,30 +161,6 @@ impl<const FUSED: bool> From<[f64; 4]> for Half<FUSED> {
 }
 
 impl<const FUSED: bool> Half<FUSED> {
-    /// The four numbers.
-    #[inline(always)]
-    pub(super) fn each(self) -> [f64; 4] {
-        let mut each = [0.0; 4];
-        // SAFETY: as above.
-        unsafe { _mm256_storeu_pd(each.as_mut_ptr(), self.0) };
-        each
-    }
-
-    /// Four numbers from each of four places on, one vector for each of the four.
-    ///
-    /// # Safety
-    /// AVX2 is there and all of them can be read.
-    #[inline(always)]
-    pub(super) unsafe fn quads(from: *const f64, at: &[u32; 4]) -> [Self; 4] {
-        // SAFETY: by the caller.
-        unsafe {
-            let row = [quad::<1>(from, at[0]), quad::<1>(from, at[1])];
-            let more = [quad::<1>(from, at[2]), quad::<1>(from, at[3])];
-            let [x, y, z, w] = transpose(row[0], row[1], more[0], more[1]);
-            [Self(x), Self(y), Self(z), Self(w)]
-        }
-    }
-
     /// The vectors of four records, less those of four others, whose numbers begin there.
     ///
     /// # Safety
@@ -212,6 +189,39 @@ impl<const FUSED: bool> Half<FUSED> {
                 _mm256_and_pd(v.z.0, used.0),
                 _mm256_and_pd(scalar.0, used.0),
             )
+        }
+    }
+}
+
+// SAFETY of all blocks below: as above, and by the caller.
+impl<const FUSED: bool> Group<4> for Half<FUSED> {
+    #[inline(always)]
+    fn which(bits: u8) -> Which {
+        Which::of(bits)
+    }
+    #[inline(always)]
+    fn each(self) -> [f64; 4] {
+        let mut each = [0.0; 4];
+        unsafe { _mm256_storeu_pd(each.as_mut_ptr(), self.0) };
+        each
+    }
+    #[inline(always)]
+    fn bits(mask: Which) -> u8 {
+        mask.bits()
+    }
+    #[inline(always)]
+    unsafe fn quads(from: *const f64, at: &[u32; 4]) -> [Self; 4] {
+        unsafe {
+            let row = [quad::<1>(from, at[0]), quad::<1>(from, at[1])];
+            let more = [quad::<1>(from, at[2]), quad::<1>(from, at[3])];
+            let [x, y, z, w] = transpose(row[0], row[1], more[0], more[1]);
+            [Self(x), Self(y), Self(z), Self(w)]
+        }
+    }
+    #[inline(always)]
+    unsafe fn put_used(v: V3<Self>, scalar: Self, used: Which, to: *mut f64, at: &[u32; 4]) {
+        for (at, row) in at.iter().zip(Self::rows(v, scalar, used)) {
+            unsafe { put_quad(to, *at, row) }
         }
     }
 }

@@ -178,7 +178,7 @@ pub(super) struct Out<V> {
 /// Hold `trial` to `bound` where it exceeds `threshold`, as is `rare` or not; returns it and the lanes, of those that
 /// matter, that slide.
 #[inline(always)]
-fn limit<V: Numbers, const FAST: bool>(
+fn limit<V: Numbers>(
     trial: V3<V>,
     threshold: V,
     bound: V,
@@ -190,14 +190,14 @@ fn limit<V: Numbers, const FAST: bool>(
     if (rare || !V::FEW) && slides.is_empty() {
         return (trial, slides);
     }
-    let scaled = trial * over_root::<V, FAST>(bound, size2);
+    let scaled = trial * over_root(bound, size2);
     (scaled.select(slides, trial), slides)
 }
 
 /// `x` over the root of `square`, if that is positive.
 #[inline(always)]
-fn over_root<V: Numbers, const FAST: bool>(x: V, square: V) -> V {
-    if FAST {
+fn over_root<V: Numbers>(x: V, square: V) -> V {
+    if V::FAST {
         x * square.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root()
     } else if V::FUSED {
         // Neither waits for the other.
@@ -225,12 +225,12 @@ fn pull<V: Numbers>(m: &Motion<V>, energy_density: V) -> V {
 
 /// Torque of size `limit` against `spin`.
 #[inline(always)]
-fn against<V: Numbers, const FAST: bool>(spin: V3<V>, limit: V) -> V3<V> {
+fn against<V: Numbers>(spin: V3<V>, limit: V) -> V3<V> {
     let speed2 = spin.dot(spin);
-    if FAST {
-        spin * over_root::<V, FAST>(-limit, speed2)
+    if V::FAST {
+        spin * over_root(-limit, speed2)
     } else if V::FUSED {
-        spin * over_root::<V, FAST>(-limit, speed2.max(V::splat(LEAST)))
+        spin * over_root(-limit, speed2.max(V::splat(LEAST)))
     } else {
         spin * (-limit / speed2.sqrt().max(V::splat(f64::MIN_POSITIVE)))
     }
@@ -240,9 +240,9 @@ fn against<V: Numbers, const FAST: bool>(spin: V3<V>, limit: V) -> V3<V> {
 #[inline(always)]
 pub(super) fn press<V: Numbers>(p: &Pressing<V>, laws: &Laws<V>) -> Pressed<V> {
     let delta = p.overlap.max(V::splat(0.0));
-    let a = (p.r_star * delta).sqrt();
+    let a = (p.r_star * delta).root();
     // Both dashpots go with the root of mass times contact radius.
-    let inertia = (p.m_star * a).sqrt();
+    let inertia = (p.m_star * a).root();
     let (elastic, viscosity, dashpot) = if V::FUSED {
         (laws.hertz * delta * a, laws.viscous * inertia, laws.dashpot * inertia)
     } else {
@@ -278,7 +278,7 @@ pub(super) fn would_be<V: Numbers>(
 /// Friction, rolling and what follows, of spheres that are `ALIKE` or of any two: `trial` is the spring if nothing
 /// slid, `old` the stiffness that is remembered.
 #[inline(always)]
-pub(super) fn answer<V: Numbers, const FAST: bool, const ALIKE: bool>(
+pub(super) fn answer<V: Numbers, const ALIKE: bool>(
     m: &Motion<V>,
     laws: &Laws<V>,
     features: Features,
@@ -297,23 +297,23 @@ pub(super) fn answer<V: Numbers, const FAST: bool, const ALIKE: bool>(
     } else {
         (sticking, sticking)
     };
-    let (spring, sliding) = limit::<V, FAST>(trial, threshold, bound, touching, false);
+    let (spring, sliding) = limit(trial, threshold, bound, touching, false);
     let sticks_damped = touching & !sliding & zero.less(dashpot);
     // Sliding contacts are at the limit already and have no dashpot: few are left here.
     let damped = spring.less_times(m.slip, dashpot);
-    let (damped, _) = limit::<V, FAST>(damped, sticking, sticking, sticks_damped, true);
+    let (damped, _) = limit(damped, sticking, sticking, sticks_damped, true);
     let shear = damped.select(sticks_damped, spring);
     let moment = n.cross(shear);
     // Rolling.
     let (torque_i, torque_j) = if features.form.absolute_spin {
         let limit_i = laws.arm_ratio.times_plus(m.lever_i, laws.arm_length) * load;
         let limit_j = laws.arm_ratio.times_plus(m.lever_j, laws.arm_length) * load;
-        let roll_i = against::<V, FAST>(m.spin_i, limit_i);
-        let roll_j = against::<V, FAST>(m.spin_j, limit_j);
+        let roll_i = against(m.spin_i, limit_i);
+        let roll_j = against(m.spin_j, limit_j);
         (moment.times_plus(m.lever_i, roll_i), moment.times_plus(m.lever_j, roll_j))
     } else {
         let arm = laws.arm_ratio.times_plus(m.r_star, laws.arm_length);
-        let roll = against::<V, FAST>(m.rolling, arm * load);
+        let roll = against(m.rolling, arm * load);
         if ALIKE {
             let both = moment * m.lever_i;
             (both + roll, both - roll)
@@ -333,7 +333,7 @@ pub(super) fn answer<V: Numbers, const FAST: bool, const ALIKE: bool>(
 
 /// The laws in one go.
 #[inline(always)]
-pub(super) fn respond<V: Numbers, const FAST: bool, const ALIKE: bool>(
+pub(super) fn respond<V: Numbers, const ALIKE: bool>(
     (m, pressing): (&Motion<V>, &Pressing<V>),
     [twist, dt]: [V; 2],
     laws: &Laws<V>,
@@ -344,5 +344,5 @@ pub(super) fn respond<V: Numbers, const FAST: bool, const ALIKE: bool>(
     let pressed = press(pressing, laws);
     let motion = [m.normal, m.slip];
     let trial = would_be(motion, twist, dt, &pressed, (old, before), features.form, touching);
-    answer::<V, FAST, ALIKE>(m, laws, features, &pressed, trial, old.stiffness, touching)
+    answer::<V, ALIKE>(m, laws, features, &pressed, trial, old.stiffness, touching)
 }

@@ -23,6 +23,8 @@ pub(crate) trait Numbers:
     type Mask: Mask;
     /// Whether a product is added to something without being rounded first.
     const FUSED: bool = false;
+    /// Whether reciprocals and roots may be off in the last places.
+    const FAST: bool = false;
     /// Whether lanes are so few that what one in two groups needs is done for all rather than asked about.
     const FEW: bool = false;
     /// The same number in every lane.
@@ -43,8 +45,18 @@ pub(crate) trait Numbers:
         self - a * b
     }
     fn sqrt(self) -> Self;
+    /// The root of what is not negative, from the reciprocal one where the numbers are fast.
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
     /// `1 / sqrt(x)` to about two units in the last place, `x` positive and normal.
     fn reciprocal_root(self) -> Self;
+    /// `1 / x`; to about two units in the last place where the numbers are fast.
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        Self::splat(1.0) / self
+    }
     fn abs(self) -> Self;
     /// Larger of two numbers, `other` where they cannot be compared.
     fn max(self, other: Self) -> Self;

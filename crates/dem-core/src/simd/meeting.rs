@@ -27,22 +27,36 @@ pub(super) fn meet<V: Numbers>(
 ) -> Meeting<V> {
     let (distance_squared, sum) = (apart.dot(apart), ri + rj);
     let touching = distance_squared.less(sum * sum) & valid;
-    let distance = distance_squared.sqrt();
-    let (inverse, before) = if V::FUSED {
-        let along = old.spring.dot(apart);
-        let (before, over) = Before::fused(
-            old,
-            distance_squared,
-            #[inline(always)]
-            |over| along * (distance * over),
-        );
-        (distance * over, before)
-    } else {
-        (V::splat(1.0) / distance, Before::nothing())
-    };
+    let (distance, inverse, before) = apart_by(apart, distance_squared, old);
     let overlap = sum - distance;
     let deep = (V::splat(limit) * ri.min(rj)).less(overlap) & touching;
     Meeting { touching, deep, inverse, overlap, before }
+}
+
+/// Distance of centres and one over it, and what fused kernels know of springs beforehand.
+#[inline(always)]
+fn apart_by<V: Numbers>(apart: V3<V>, square: V, old: &Remembered<V>) -> (V, V, Before<V>) {
+    if V::FAST {
+        // Of centres at one place, too, so that they are found to overlap too deeply.
+        let inverse = square.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root();
+        let near = square * inverse;
+        // Overlaps are small differences of distances: what the root lacks is added.
+        let lacks = square.less_times(near, near) * (V::splat(0.5) * inverse);
+        let before = Before::by_itself(old, old.spring.dot(apart) * inverse);
+        return (near + lacks, inverse, before);
+    }
+    let distance = square.sqrt();
+    if V::FUSED {
+        let along = old.spring.dot(apart);
+        let (before, over) = Before::fused(
+            old,
+            square,
+            #[inline(always)]
+            |over| along * (distance * over),
+        );
+        return (distance, distance * over, before);
+    }
+    (distance, V::splat(1.0) / distance, Before::nothing())
 }
 
 /// The line of centres, which vectors are held against.

@@ -15,6 +15,7 @@ mod carried;
 mod clumps;
 mod facing;
 mod gathering;
+mod group;
 mod half;
 mod hertz_mindlin;
 mod lanes;
@@ -240,7 +241,7 @@ pub(crate) fn in_reach(
     #[cfg(target_arch = "x86_64")]
     match level {
         Level::Avx512 => {
-            return reach::<avx512::Wide<false>>(own, [x, y, z, r, more], gaps, period);
+            return reach::<avx512::Wide<false, false>>(own, [x, y, z, r, more], gaps, period);
         }
         Level::Avx2 => return reach::<avx2::Pair<false>>(own, [x, y, z, r, more], gaps, period),
         Level::Portable => {}
@@ -350,30 +351,59 @@ mod tests {
     use super::*;
     use lanes::{Lanes, Numbers};
 
-    #[test]
-    fn reciprocal_roots_are_two_units_in_the_last_place_off_at_most() {
-        if Level::detect() != Level::Avx512 {
-            return;
-        }
-        let mut worst = 0.0f64;
+    /// By how much reciprocal roots, roots and reciprocals by the table are off at most, in units of `f64::EPSILON`.
+    fn worst_by_the_table() -> [f64; 3] {
+        type V = avx512::Wide<true, true>;
+        let mut worst = [0.0f64; 3];
         for k in 0..40_000 {
             let x: [f64; 8] = std::array::from_fn(|lane| {
                 let k = f64::from(8 * k + lane as i32);
                 (1.0 + k / 320_000.0) * 10f64.powi(k as i32 % 60 - 30)
             });
-            let mut y = [0.0; 8];
+            let (mut inverse, mut root, mut over) = ([0.0; 8], [0.0; 8], [0.0; 8]);
             widened(
                 Level::Avx512,
                 #[inline(always)]
-                || avx512::Wide::<false>::load(&x).reciprocal_root().store(&mut y),
+                || {
+                    let own = V::load(&x);
+                    own.reciprocal_root().store(&mut inverse);
+                    own.root().store(&mut root);
+                    own.reciprocal().store(&mut over);
+                },
             );
-            for (x, y) in x.iter().zip(y) {
-                worst = worst.max((y * x.sqrt() - 1.0).abs());
+            for (lane, x) in x.iter().enumerate() {
+                let off = [inverse[lane] * x.sqrt(), root[lane] / x.sqrt(), over[lane] * x];
+                for (worst, off) in worst.iter_mut().zip(off) {
+                    *worst = worst.max((off - 1.0).abs() / f64::EPSILON);
+                }
             }
         }
-        // The root and the product round as well: half a unit each.
-        assert!(worst < 3.0 * f64::EPSILON, "{worst:e}");
-        assert!(worst > 0.0);
+        worst
+    }
+
+    #[test]
+    fn reciprocals_and_roots_by_the_table_are_two_units_in_the_last_place_off_at_most() {
+        if Level::detect() != Level::Avx512 {
+            return;
+        }
+        let worst = worst_by_the_table();
+        // Roots and products that they are held against round as well: half a unit each.
+        assert!(worst.iter().all(|w| *w < 3.0), "{worst:?}");
+        assert!(worst.iter().all(|w| *w > 0.0), "{worst:?}");
+    }
+
+    #[test]
+    fn roots_by_the_table_of_nothing_are_nothing() {
+        if Level::detect() != Level::Avx512 {
+            return;
+        }
+        let mut root = [1.0; 8];
+        widened(
+            Level::Avx512,
+            #[inline(always)]
+            || avx512::Wide::<true, true>::splat(0.0).root().store(&mut root),
+        );
+        assert_eq!(root, [0.0; 8]);
     }
 
     use crate::prelude::*;

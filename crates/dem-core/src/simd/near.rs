@@ -65,7 +65,7 @@ impl PairKernel<'_> {
                 told: &mut [T],
             ) {
                 // SAFETY: the lists hold places of spheres.
-                unsafe { k.each_block::<super::avx512::Wide<false>, T>(pairs, told) }
+                unsafe { k.each_block::<super::avx512::Wide<false, false>, T>(pairs, told) }
             }
             #[target_feature(enable = "avx2,fma,popcnt")]
             unsafe fn avx2<T: ToldOfBlock>(

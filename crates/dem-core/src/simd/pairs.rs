@@ -117,10 +117,10 @@ impl PairKernel<'_> {
                 // SAFETY: the lists hold places of spheres.
                 unsafe {
                     let mut room = Room::EMPTY;
-                    let acting = k.acting::<Wide<FUSED>>(run, &mut room);
+                    let acting = k.acting::<Wide<FUSED, FAST>>(run, &mut room);
                     let done =
-                        k.blocks::<Two<Wide<FUSED>>, FAST, ALIKE, MORE>(run, &acting, 0, into);
-                    k.blocks::<Wide<FUSED>, FAST, ALIKE, MORE>(run, &acting, done, into);
+                        k.blocks::<Two<Wide<FUSED, FAST>>, ALIKE, MORE>(run, &acting, 0, into);
+                    k.blocks::<Wide<FUSED, FAST>, ALIKE, MORE>(run, &acting, done, into);
                 }
             }
             #[target_feature(enable = "avx2,fma,popcnt")]
@@ -137,7 +137,7 @@ impl PairKernel<'_> {
                         let sinks = Sinks::of(run);
                         return k.staged::<FUSED, ALIKE, MORE>(&acting, sinks, into);
                     }
-                    k.blocks::<Pair<FUSED>, false, ALIKE, MORE>(run, &acting, 0, into);
+                    k.blocks::<Pair<FUSED>, ALIKE, MORE>(run, &acting, 0, into);
                 }
             }
             use super::avx2::Pair;
@@ -174,7 +174,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in the run is that of a sphere, and `acting` is of that run.
     #[inline(always)]
-    unsafe fn blocks<V: Blocks, const FAST: bool, const ALIKE: bool, const MORE: bool>(
+    unsafe fn blocks<V: Blocks, const ALIKE: bool, const MORE: bool>(
         &self,
         run: &mut Run<'_>,
         acting: &Acting<'_>,
@@ -194,7 +194,7 @@ impl PairKernel<'_> {
                 valid: [0, 8].map(|k| lowest_bits(acting.count.saturating_sub(done + k))),
             };
             // SAFETY: by the caller; every pair is one of the run.
-            let deep = unsafe { self.block::<V, FAST, ALIKE, MORE>(block, sinks, &laws, nothing) };
+            let deep = unsafe { self.block::<V, ALIKE, MORE>(block, sinks, &laws, nothing) };
             if deep != [0; MOST] {
                 for ((deep, first), second) in deep.into_iter().zip(block.first).zip(block.second) {
                     self.note_deep(deep, first, second, into);
@@ -228,7 +228,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place in `first` and `second` of a block is that of a sphere; the sinks hold what its pairs write.
     #[inline(always)]
-    unsafe fn block<V: Blocks, const FAST: bool, const ALIKE: bool, const MORE: bool>(
+    unsafe fn block<V: Blocks, const ALIKE: bool, const MORE: bool>(
         &self,
         b: Block<'_>,
         sinks: Sinks,
@@ -312,7 +312,7 @@ impl PairKernel<'_> {
         };
         let pressing = Pressing { overlap: met.overlap, rate: line.along(end), r_star, m_star };
         let features = if MORE { self.features } else { Features::NONE };
-        let mut out = respond::<V, FAST, ALIKE>(
+        let mut out = respond::<V, ALIKE>(
             (&motion, &pressing),
             [twist, V::splat(self.dt)],
             laws,

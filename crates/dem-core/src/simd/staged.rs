@@ -231,7 +231,7 @@ impl PairKernel<'_> {
                 radius_i: sizes.radii[0],
                 radius_j: sizes.radii[1],
             };
-            let mut out = answer::<_, false, ALIKE>(
+            let mut out = answer::<_, ALIKE>(
                 &motion,
                 laws,
                 features,

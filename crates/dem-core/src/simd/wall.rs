@@ -98,9 +98,20 @@ impl PairKernel<'_> {
         into: &mut ChunkYield,
     ) -> bool {
         #[cfg(target_arch = "x86_64")]
-        if let (Level::Avx2, Some(own), false) =
-            (level, self.one_material, self.spheres.clumps.is_some())
-        {
+        use super::{avx512::Wide, half::Half};
+        #[cfg(target_arch = "x86_64")]
+        if let (Some(own), false) = (self.one_material, self.spheres.clumps.is_some()) {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,popcnt")]
+            unsafe fn avx512<const FUSED: bool, const FAST: bool>(
+                k: &PairKernel<'_>,
+                run: &mut WallRun<'_>,
+                by: (u16, usize),
+                entries: &[u32],
+                into: &mut ChunkYield,
+            ) {
+                // SAFETY: by the caller.
+                unsafe { k.staged_walls::<Wide<FUSED, FAST>, 8>(run, by, entries, into) }
+            }
             #[target_feature(enable = "avx2,fma,popcnt")]
             unsafe fn avx2<const FUSED: bool>(
                 k: &PairKernel<'_>,
@@ -110,12 +121,18 @@ impl PairKernel<'_> {
                 into: &mut ChunkYield,
             ) {
                 // SAFETY: by the caller.
-                unsafe { k.staged_walls::<FUSED>(run, by, entries, into) }
+                unsafe { k.staged_walls::<Half<FUSED>, 4>(run, by, entries, into) }
             }
             let material = usize::from(run.walls[wall as usize].material.0);
             let by = (wall, own * self.materials + material);
-            let of =
-                if self.arithmetic == Arithmetic::Exact { avx2::<false> } else { avx2::<true> };
+            let of = match (level, self.arithmetic) {
+                (Level::Portable, _) => return false,
+                (Level::Avx512, Arithmetic::Exact) => avx512::<false, false>,
+                (Level::Avx512, Arithmetic::Fused) => avx512::<true, false>,
+                (Level::Avx512, Arithmetic::FastRoots) => avx512::<true, true>,
+                (Level::Avx2, Arithmetic::Exact) => avx2::<false>,
+                (Level::Avx2, _) => avx2::<true>,
+            };
             // SAFETY: `level` comes from `Level::detect`, which asked the processor; the lists hold places of spheres.
             unsafe { of(self, run, by, entries, into) };
             return true;
@@ -155,18 +172,18 @@ impl PairKernel<'_> {
                     use super::avx512::Wide;
                     match (level, self.arithmetic) {
                         (Level::Avx512, Arithmetic::Exact) => {
-                            self.contacts::<Wide<false>, false>(placed, g);
+                            self.contacts::<Wide<false, false>>(placed, g);
                         }
                         (Level::Avx512, Arithmetic::Fused) => {
-                            self.contacts::<Wide<true>, false>(placed, g);
+                            self.contacts::<Wide<true, false>>(placed, g);
                         }
                         (Level::Avx512, Arithmetic::FastRoots) => {
-                            self.contacts::<Wide<true>, true>(placed, g);
+                            self.contacts::<Wide<true, true>>(placed, g);
                         }
                         (Level::Avx2, Arithmetic::Exact) => {
-                            self.contacts::<Pair<false>, false>(placed, g);
+                            self.contacts::<Pair<false>>(placed, g);
                         }
-                        (Level::Avx2, _) => self.contacts::<Pair<true>, false>(placed, g),
+                        (Level::Avx2, _) => self.contacts::<Pair<true>>(placed, g),
                         (Level::Portable, _) => {}
                     }
                 }
@@ -192,7 +209,7 @@ impl PairKernel<'_> {
     /// # Safety
     /// Every place of the group is that of a sphere.
     #[inline(always)]
-    unsafe fn contacts<V: Lanes, const FAST: bool>(&self, wall: &PlacedWall, g: &mut Group) {
+    unsafe fn contacts<V: Lanes>(&self, wall: &PlacedWall, g: &mut Group) {
         let s = &self.spheres;
         // SAFETY: by the caller.
         let (p, v, w, end) = unsafe {
@@ -233,8 +250,9 @@ impl PairKernel<'_> {
         let m = &mut g.memory;
         let spring = V3 { x: V::load(&m[0]), y: V::load(&m[1]), z: V::load(&m[2]) };
         let old = Remembered { spring, stiffness: V::load(&m[3]) };
-        let before = if V::FUSED { Before::by_itself(&old, n) } else { Before::nothing() };
-        let out = respond::<V, FAST, false>(
+        let before =
+            if V::FUSED { Before::by_itself(&old, old.spring.dot(n)) } else { Before::nothing() };
+        let out = respond::<V, false>(
             (&motion, &pressing),
             [twist, dt],
             &laws,
