@@ -313,7 +313,14 @@ impl<M> Kick<'_, M> {
             // The sums are zero again for whose turn comes next.
             debug_assert!(sums[k].force.w == 0.0 && sums[k].torque.w == 0.0, "a sum has a scalar");
             let [force, torque] = W::take(&mut sums[k..]);
+            // All is read before anything is written: columns often begin at the same place of a page, and some
+            // processors take what is read for what has just been written at the same place of another page.
             let mean = W::load_some(&run.mean_velocity[k..]);
+            let end = W::load_some(&run.end_velocity[k..]);
+            let position = W::load_some(&run.position[k..]);
+            let then = W::load_some(&reference[k..]);
+            let old = W::load_some(&run.spin[k..]);
+            let mean_spin = W::load_some(&run.mean_spin[k..]);
             // Sums have no scalars, so that those of means stay.
             let a = if ALIKE {
                 gravity.plus_times(force, by_mass)
@@ -322,23 +329,18 @@ impl<M> Kick<'_, M> {
             };
             let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
             let d = integrator.drift(v, a, &mut { none }, dt);
-            d.mean_velocity.store_some(&mut run.mean_velocity[k..]);
-            let end = W::load_some(&run.end_velocity[k..]);
-            d.end_velocity.with_scalars_of(end).store_some(&mut run.end_velocity[k..]);
-            let position = W::load_some(&run.position[k..]);
             let position = position.plus_times(d.mean_velocity, dt).with_scalars_of(position);
-            position.store_some(&mut run.position[k..]);
-            let then = W::load_some(&reference[k..]);
             let (square, too_far) = (position - then.turned(&frame)).beyond(then);
             farthest.too_far |= too_far;
             farthest.square = if square > farthest.square { square } else { farthest.square };
-            let old = W::load_some(&run.spin[k..]);
-            let mean = W::load_some(&run.mean_spin[k..]);
             let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(old) };
-            let w = integrator.kick(old, mean, none, a, &mut { none }, dt);
+            let w = integrator.kick(old, mean_spin, none, a, &mut { none }, dt);
+            let turn = integrator.drift(w, a, &mut { none }, dt);
+            d.mean_velocity.store_some(&mut run.mean_velocity[k..]);
+            d.end_velocity.with_scalars_of(end).store_some(&mut run.end_velocity[k..]);
+            position.store_some(&mut run.position[k..]);
             w.with_scalars_of(old).store_some(&mut run.spin[k..]);
-            let d = integrator.drift(w, a, &mut { none }, dt);
-            d.mean_velocity.store_some(&mut run.mean_spin[k..]);
+            turn.mean_velocity.store_some(&mut run.mean_spin[k..]);
         }
     }
 }
