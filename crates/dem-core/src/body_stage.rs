@@ -309,6 +309,7 @@ impl<M> Kick<'_, M> {
         let frame = [W::alike(&x), W::alike(&y), W::alike(&z), W::alike(&shift)];
         let reference = &drift.reference[run.begin..run.begin + run.position.len()];
         let run = run.even();
+        let (mut largest, mut beyond) = (none, 0);
         for k in bodies.step_by(W::COUNT) {
             // The sums are zero again for whose turn comes next.
             debug_assert!(sums[k].force.w == 0.0 && sums[k].torque.w == 0.0, "a sum has a scalar");
@@ -330,9 +331,8 @@ impl<M> Kick<'_, M> {
             let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
             let d = integrator.drift(v, a, &mut { none }, dt);
             let position = position.plus_times(d.mean_velocity, dt).with_scalars_of(position);
-            let (square, too_far) = (position - then.turned(&frame)).beyond(then);
-            farthest.too_far |= too_far;
-            farthest.square = if square > farthest.square { square } else { farthest.square };
+            let (squares, too_far) = (position - then.turned(&frame)).beyond(then);
+            (largest, beyond) = (largest.larger(squares), beyond | too_far);
             let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(old) };
             let w = integrator.kick(old, mean_spin, none, a, &mut { none }, dt);
             let turn = integrator.drift(w, a, &mut { none }, dt);
@@ -342,6 +342,8 @@ impl<M> Kick<'_, M> {
             w.with_scalars_of(old).store_some(&mut run.spin[k..]);
             turn.mean_velocity.store_some(&mut run.mean_spin[k..]);
         }
+        farthest.too_far |= beyond != 0;
+        farthest.square = farthest.square.max(largest.largest());
     }
 }
 

@@ -90,7 +90,7 @@ pub(crate) struct Peers {
     #[arg(long, default_value_t = 2000)]
     tune_steps: u64,
     /// How Tumble computes; exact kernels run beside in any case.
-    #[arg(long, value_enum, default_value_t = Mode::Fused)]
+    #[arg(long, value_enum, default_value_t = Mode::Roots)]
     kernels: Mode,
     /// Instead: Tumble's time against the number of beads.
     #[arg(long)]

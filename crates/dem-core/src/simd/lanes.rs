@@ -192,8 +192,13 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
 
 /// Where the numbers of records begin.
 #[inline(always)]
-pub(super) fn fours(places: &[u32; 8]) -> [u32; 8] {
-    places.map(|p| 4 * p)
+pub(super) fn fours<const N: usize>(places: &[u32; N]) -> [u32; N] {
+    let mut fours = [0; N];
+    // Not by `map`: its closure would not be compiled for the instructions of the kernel.
+    for (four, place) in fours.iter_mut().zip(places) {
+        *four = 4 * place;
+    }
+    fours
 }
 
 /// Along a periodic axis, the shortest of the images of `x`.
@@ -409,9 +414,13 @@ pub(crate) trait Quads: crate::integrate::Vector {
     fn plus_over_scalars(self, other: Self, of: Self) -> Self;
     /// `frame[0] x + frame[1] y + frame[2] z + frame[3]`.
     fn turned(self, frame: &[Self; 4]) -> Self;
-    /// The largest square of the vectors, and whether one of them is not below the scalar of its `limit`; a square that is no number
-    /// is not.
-    fn beyond(self, limit: Self) -> (f64, bool);
+    /// Squares of the vectors, for [`Quads::larger`], and bits of those that are not below the scalar of its `limit`; a square that is
+    /// no number is not.
+    fn beyond(self, limit: Self) -> (Self, u8);
+    /// The larger squares of two, `self` where `other` is no number.
+    fn larger(self, other: Self) -> Self;
+    /// The largest square.
+    fn largest(self) -> f64;
 }
 
 impl<Q: Quad> Quads for Q {
@@ -451,8 +460,18 @@ impl<Q: Quad> Quads for Q {
         (*x * r.x).plus_times(*y, r.y).plus_times(*z, r.z) + *shift
     }
     #[inline(always)]
-    fn beyond(self, limit: Self) -> (f64, bool) {
+    fn beyond(self, limit: Self) -> (Self, u8) {
         let square = self.length_squared();
-        (square, !(square <= limit.record().w))
+        let squares = Q::load(&Record { x: square, ..Record::ZERO });
+        (squares, u8::from(!(square <= limit.record().w)))
+    }
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        let (own, other) = (self.record().x, other.record().x);
+        Q::load(&Record { x: if other > own { other } else { own }, ..Record::ZERO })
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.record().x
     }
 }

@@ -188,18 +188,28 @@ impl<const FUSED: bool> Quads for Eight<FUSED> {
         }
     }
     #[inline(always)]
-    fn beyond(self, limit: Self) -> (f64, bool) {
+    fn beyond(self, limit: Self) -> (Self, u8) {
         unsafe {
             let square = _mm512_mul_pd(self.0, self.0);
             // In the order of `Four`: x and y, then z.
             let y = _mm512_permutex_pd::<0x55>(square);
             let z = _mm512_permutex_pd::<0xAA>(square);
             let sums = _mm512_add_pd(_mm512_add_pd(square, y), z);
-            let a = _mm512_cvtsd_f64(sums);
-            let b = _mm256_cvtsd_f64(_mm512_extractf64x4_pd::<1>(sums));
             let limits = _mm512_permutex_pd::<0xFF>(limit.0);
-            let far = !_mm512_mask_cmp_pd_mask::<_CMP_LE_OQ>(0b1_0001, sums, limits) & 0b1_0001;
-            (if a >= b { a } else { b }, far != 0)
+            // Of the first number of each record.
+            (Self(sums), _mm512_mask_cmp_pd_mask::<_CMP_NLE_UQ>(0b1_0001, sums, limits))
         }
+    }
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        // Where one of them is no number this yields the second.
+        Self(unsafe { _mm512_max_pd(other.0, self.0) })
+    }
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        let [a, b] = unsafe {
+            [_mm512_cvtsd_f64(self.0), _mm256_cvtsd_f64(_mm512_extractf64x4_pd::<1>(self.0))]
+        };
+        if a >= b { a } else { b }
     }
 }

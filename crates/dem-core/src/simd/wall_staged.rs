@@ -9,11 +9,14 @@ use super::facing::{Faced, Near, brush, face, nearest, nearest_alone};
 use super::gathering::{GROUPS, remembered};
 use super::group::Group;
 use super::hertz_mindlin::{Laws, Motion, Pressed, SLOTS, answer, press, would_be};
-use super::lanes::{Numbers, V3};
+use super::lanes::{Numbers, V3, fours};
 use super::pairs::PairKernel;
 use super::wall::WallRun;
 use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::PlacedWall;
+
+/// What a contact remembers is as long as a record.
+const _: () = assert!(SLOTS == 4);
 
 /// What contacts know of their spheres, and remember.
 struct Given<V> {
@@ -125,7 +128,7 @@ impl PairKernel<'_> {
                     velocity: V3::of(v),
                     spin: V3::of(V::quads(s.mean_spin.as_ptr().cast(), places)),
                     end: V3::of(V::quads(s.end_velocity.as_ptr().cast(), places)),
-                    old: remembered(memory, &entries.map(|e| SLOTS as u32 * e)),
+                    old: remembered(memory, &fours(&entries)),
                     near,
                 });
             }
@@ -236,7 +239,7 @@ impl PairKernel<'_> {
             for (lane, entry) in desk.entries[g].iter().enumerate() {
                 run.active[*entry as usize] = if touching >> lane & 1 != 0 { TOUCHES } else { 0 };
             }
-            let fours = desk.entries[g].map(|e| 4 * e);
+            let fours = fours(&desk.entries[g]);
             // SAFETY: by the caller.
             unsafe {
                 V::put_used(out.force, zero, used, run.force.as_mut_ptr().cast(), &fours);
@@ -258,7 +261,9 @@ impl<V: Group<N>, const N: usize> Desk<V, N> {
             let mut own = [group[0]; N];
             own[..group.len()].copy_from_slice(group);
             self.entries[g] = own;
-            self.places[g] = own.map(|e| 4 * sphere[e as usize]);
+            for (place, e) in self.places[g].iter_mut().zip(own) {
+                *place = 4 * sphere[e as usize];
+            }
         }
         groups
     }
