@@ -53,7 +53,7 @@ pub enum Kernels {
     /// others. Runs are the same for any number of threads and with AVX-512 as with AVX2; where there is neither they are those
     /// of [`Kernels::Portable`].
     Fused,
-    /// The same, with the reciprocal roots of the limits to friction and rolling by table and two Newton steps where AVX-512 is
+    /// The same, with all roots and reciprocals of contacts from the processor's tables and a series where AVX-512 is
     /// there: about two units in the last place from exact, each. Runs are still the same for any number
     /// of threads, but not between processors with and without AVX-512.
     FastRoots,

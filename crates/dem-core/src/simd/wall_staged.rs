@@ -1,5 +1,5 @@
-//! Contacts of one law with a wall where there is AVX2 alone: part of the work by part, group by group, as
-//! `staged.rs` does it for pairs, to the same bits as `wall.rs`.
+//! Contacts of one law with a wall, part of the work by part, as many at a time as one register holds: as `staged.rs` does
+//! it for pairs, to the same bits as `wall.rs`.
 #![cfg(target_arch = "x86_64")]
 
 use std::mem::MaybeUninit;
@@ -57,7 +57,7 @@ impl PairKernel<'_> {
     /// Compute contacts with one wall by one law.
     ///
     /// # Safety
-    /// AVX2 is there, every place is that of a sphere, none of which sits on a clump, and the entries are some of the run's.
+    /// The instructions of the group are there, every place is that of a sphere, none of which sits on a clump, and the entries are some of the run's.
     #[inline(always)]
     pub(super) unsafe fn staged_walls<V: Group<N>, const N: usize>(
         &self,

@@ -35,17 +35,25 @@ fn a_particle_that_leaves_the_domain_is_named() {
 
 #[test]
 fn spheres_placed_into_one_another_are_named_with_their_partner() {
-    let (mut b, m) = one_material(1e-5);
-    b.sphere(Sphere::at(DVec3::ZERO, 1e-3, m));
-    b.sphere(Sphere::at(DVec3::X * 0.5e-3, 1e-3, m));
-    let mut w = b.build().unwrap();
-    let fault = fault(w.run(1).unwrap_err());
-    assert_eq!(fault.particle, ParticleId(0));
-    assert_eq!(fault.partner, Some(Partner::Particle(ParticleId(1))));
-    assert_eq!(fault.cause, Cause::Placement);
-    assert!(
-        matches!(fault.kind, FaultKind::Overlap { fraction, .. } if (fraction - 1.5).abs() < 1e-12)
-    );
+    use Kernels::{FastRoots, Fastest, Fused, Portable};
+    for kernels in [Fastest, Fused, FastRoots, Portable] {
+        // At one place, too, where reciprocals of their distance have no end.
+        for (apart, overlap) in [(0.5e-3, 1.5), (0.0, 2.0)] {
+            let (mut b, m) = one_material(1e-5);
+            b.kernels(kernels);
+            b.sphere(Sphere::at(DVec3::ZERO, 1e-3, m));
+            b.sphere(Sphere::at(DVec3::X * apart, 1e-3, m));
+            let mut w = b.build().unwrap();
+            let fault = fault(w.run(1).unwrap_err());
+            assert_eq!(fault.particle, ParticleId(0));
+            assert_eq!(fault.partner, Some(Partner::Particle(ParticleId(1))));
+            assert_eq!(fault.cause, Cause::Placement);
+            let FaultKind::Overlap { fraction, .. } = fault.kind else {
+                panic!("{kernels:?}: {fault}");
+            };
+            assert!((fraction - overlap).abs() < 1e-12, "{kernels:?}: {fraction}");
+        }
+    }
 }
 
 #[test]
