@@ -6,8 +6,9 @@ use dem_core::prelude::*;
 
 pub(crate) type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
 
-/// Steps in a piece of the run: about one list.
-const PIECE: u64 = 20;
+/// Steps in a piece of the run: some lists. The last step of each call keeps what a look at the world would ask for, and
+/// takes longer than the others.
+const PIECE: u64 = 100;
 
 /// Radius of the drum, m.
 pub(crate) const RADIUS: f64 = 0.125;
