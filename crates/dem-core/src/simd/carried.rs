@@ -49,27 +49,30 @@ impl<V: Numbers> Before<V> {
     /// part of the spring along the normal from that reciprocal.
     #[inline(always)]
     pub(super) fn fused(old: &Remembered<V>, more: V, along: impl FnOnce(V) -> V) -> (Self, V) {
-        let least = V::splat(LEAST);
-        let square = old.spring.dot(old.spring).max(least);
-        let size = old.stiffness.abs().max(least);
-        let both = square * size;
+        let sizes = Self::sizes(old);
+        let both = sizes[0] * sizes[1];
         let over_all = V::splat(1.0) / (both * more);
         let (over_more, over_both) = (over_all * both, over_all * more);
-        let before = Self {
-            along: along(over_more),
-            over_square: over_both * size,
-            over_stiffness: over_both * square,
-        };
-        (before, over_more)
+        (Self::of(along(over_more), sizes, over_both), over_more)
     }
 
     /// In fused kernels, by itself: `along` is the part of the spring along the normal.
     #[inline(always)]
     pub(super) fn by_itself(old: &Remembered<V>, along: V) -> Self {
+        let sizes = Self::sizes(old);
+        Self::of(along, sizes, (sizes[0] * sizes[1]).reciprocal())
+    }
+
+    /// Square of the force and stiffness without its sign.
+    #[inline(always)]
+    fn sizes(old: &Remembered<V>) -> [V; 2] {
         let least = V::splat(LEAST);
-        let square = old.spring.dot(old.spring).max(least);
-        let size = old.stiffness.abs().max(least);
-        let over_both = (square * size).reciprocal();
+        [old.spring.dot(old.spring).max(least), old.stiffness.abs().max(least)]
+    }
+
+    /// From these sizes and the reciprocal of both.
+    #[inline(always)]
+    fn of(along: V, [square, size]: [V; 2], over_both: V) -> Self {
         Self { along, over_square: over_both * size, over_stiffness: over_both * square }
     }
 
