@@ -54,7 +54,7 @@ pub enum Kernels {
     /// of [`Kernels::Portable`].
     Fused,
     /// The same, with all roots and reciprocals of contacts from the processor's tables and a series where AVX-512 is
-    /// there: about two units in the last place from exact, each. Runs are still the same for any number
+    /// there: two to four units in the last place from exact, each. Runs are still the same for any number
     /// of threads, but not between processors with and without AVX-512.
     FastRoots,
     /// At most AVX2.

@@ -55,12 +55,25 @@ pub(super) unsafe fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [Maybe
     }
 }
 
+/// Where the sums of eight spheres begin.
+pub(super) struct SumsAt([u32; 8]);
+
+impl SumsAt {
+    /// That of one sphere. From the memory: compilers would rather take numbers out of the register, which keeps busy what
+    /// exchanges fields.
+    #[inline(always)]
+    pub(super) fn of(&self, lane: usize) -> u32 {
+        // SAFETY: a number of ours.
+        unsafe { (&raw const self.0[lane]).read_volatile() }
+    }
+}
+
 /// Where the sums of spheres begin, of whose places four times is given.
 ///
 /// # Safety
 /// AVX2 is there.
 #[inline(always)]
-pub(super) unsafe fn sums_at(within: u32, places: &[u32; 8]) -> [u32; 8] {
+pub(super) unsafe fn sums_at(within: u32, places: &[u32; 8]) -> SumsAt {
     let mut at = [0; 8];
     // SAFETY: by the caller; the arrays are as long as what is read and written.
     unsafe {
@@ -68,7 +81,7 @@ pub(super) unsafe fn sums_at(within: u32, places: &[u32; 8]) -> [u32; 8] {
         let own = _mm256_and_si256(places, _mm256_set1_epi32(within.cast_signed()));
         _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_slli_epi32::<1>(own));
     }
-    at
+    SumsAt(at)
 }
 
 /// Four bits as a mask of four lanes.

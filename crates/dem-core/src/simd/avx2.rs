@@ -6,7 +6,7 @@ use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::avx::{add_pair, mask4, pack_fours, pack_own_fours, put_quad, quad, sums_at, transpose};
-use super::lanes::{Lanes, Numbers};
+use super::lanes::{Lanes, Numbers, V3};
 
 /// Eight lanes of two AVX2 registers, likewise.
 #[derive(Clone, Copy)]
@@ -181,7 +181,7 @@ impl<const FUSED: bool> Lanes for Pair<FUSED> {
     }
     #[inline(always)]
     unsafe fn add_wrenches(
-        [f, ti, tj]: [[Self; 4]; 3],
+        [f, ti, tj]: [V3<Self>; 3],
         to: *mut f64,
         within: u32,
         first: &[u32; 8],
@@ -189,13 +189,17 @@ impl<const FUSED: bool> Lanes for Pair<FUSED> {
     ) {
         unsafe {
             let (first, second) = (sums_at(within, first), sums_at(within, second));
+            // Not known to the compiler: it would take the exchanges apart for the sake of a zero.
+            let zero = Self::splat(std::hint::black_box(0.0));
+            let (f, ti) = ([f.x, f.y, f.z, zero], [ti.x, ti.y, ti.z, zero]);
+            let tj = [tj.x, tj.y, tj.z, zero];
             let [f4, ti4, tj4] = [lower_rows(f), lower_rows(ti), lower_rows(tj)];
             for k in 0..4 {
-                add_pair(to, [first[k], second[k]], [f4[k], ti4[k], tj4[k]]);
+                add_pair(to, [first.of(k), second.of(k)], [f4[k], ti4[k], tj4[k]]);
             }
             let [f4, ti4, tj4] = [upper_rows(f), upper_rows(ti), upper_rows(tj)];
             for k in 0..4 {
-                add_pair(to, [first[k + 4], second[k + 4]], [f4[k], ti4[k], tj4[k]]);
+                add_pair(to, [first.of(k + 4), second.of(k + 4)], [f4[k], ti4[k], tj4[k]]);
             }
         }
     }

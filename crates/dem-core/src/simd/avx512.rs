@@ -40,6 +40,33 @@ impl<const FUSED: bool, const FAST: bool> Neg for Wide<FUSED, FAST> {
     }
 }
 
+/// Two quads side by side.
+///
+/// # Safety
+/// AVX-512 is there and the numbers of both can be read.
+#[inline(always)]
+unsafe fn two_quads(from: *const f64, at: [u32; 2]) -> __m512d {
+    // SAFETY: by the caller.
+    unsafe {
+        let low = _mm512_castpd256_pd512(quad::<1>(from, at[0]));
+        _mm512_insertf64x4::<1>(low, quad::<1>(from, at[1]))
+    }
+}
+
+/// `(1 / sqrt(1 - e) - 1) / e` for small `e`.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+unsafe fn series(e: __m512d) -> __m512d {
+    // SAFETY: by the caller.
+    unsafe {
+        let (a1, a2) = (_mm512_set1_pd(1.0 / 2.0), _mm512_set1_pd(3.0 / 8.0));
+        let a3 = _mm512_set1_pd(5.0 / 16.0);
+        _mm512_fmadd_pd(_mm512_fmadd_pd(a3, e, a2), e, a1)
+    }
+}
+
 /// Quads `k` and `k + 4` of eight, side by side.
 ///
 /// # Safety
@@ -50,6 +77,57 @@ unsafe fn rows<const EACH: usize>(from: *const f64, p: &[u32; 8], k: usize) -> _
     unsafe {
         let low = _mm512_castpd256_pd512(quad::<EACH>(from, p[k]));
         _mm512_insertf64x4::<1>(low, quad::<EACH>(from, p[k + 4]))
+    }
+}
+
+/// Places in two registers, and whatever else.
+#[repr(align(64))]
+struct Order([i64; 8]);
+
+/// First and second halves of two quads' pairs of fields.
+static LOW: Order = Order([0, 1, 8, 9, 4, 5, 12, 13]);
+static HIGH: Order = Order([2, 3, 10, 11, 6, 7, 14, 15]);
+/// The same of a pair of fields and of a third.
+static ROWS: [Order; 4] = [
+    Order([0, 1, 8, 0, 4, 5, 12, 0]),
+    Order([0, 1, 9, 0, 4, 5, 13, 0]),
+    Order([2, 3, 10, 0, 6, 7, 14, 0]),
+    Order([2, 3, 11, 0, 6, 7, 15, 0]),
+];
+
+/// Three of four lanes; as hidden as the orders are.
+static THREE: u8 = 0x77;
+
+impl Order {
+    /// As the processor takes it. A compiler that knew the places would put other exchanges in the place of those below, and more.
+    ///
+    /// # Safety
+    /// AVX-512 is there.
+    #[inline(always)]
+    unsafe fn hidden(&self) -> __m512i {
+        // SAFETY: by the caller; eight numbers at a multiple of 64.
+        unsafe { (&raw const self.0).cast::<__m512i>().read_volatile() }
+    }
+}
+
+/// Rows of eight vectors from their fields, and zero where not `three` of four lanes are: `k` and `k + 4` side by side.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+unsafe fn vectors_of<const FUSED: bool, const FAST: bool>(
+    V3 { x, y, z }: V3<Wide<FUSED, FAST>>,
+    three: u8,
+) -> [__m512d; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (even, odd) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+        [
+            _mm512_maskz_permutex2var_pd(three, even, ROWS[0].hidden(), z.0),
+            _mm512_maskz_permutex2var_pd(three, odd, ROWS[1].hidden(), z.0),
+            _mm512_maskz_permutex2var_pd(three, even, ROWS[2].hidden(), z.0),
+            _mm512_maskz_permutex2var_pd(three, odd, ROWS[3].hidden(), z.0),
+        ]
     }
 }
 
@@ -65,8 +143,7 @@ unsafe fn rows_of<const FUSED: bool, const FAST: bool>(
     unsafe {
         let (xy, xy2) = (_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
         let (zw, zw2) = (_mm512_unpacklo_pd(z.0, w.0), _mm512_unpackhi_pd(z.0, w.0));
-        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+        let (low, high) = (LOW.hidden(), HIGH.hidden());
         [
             _mm512_permutex2var_pd(xy, low, zw),
             _mm512_permutex2var_pd(xy2, low, zw2),
@@ -86,6 +163,19 @@ unsafe fn add_wide(to: *mut f64, at: u32, wrench: __m512d) {
     unsafe {
         let sum = to.add(at as usize);
         _mm512_store_pd(sum, _mm512_add_pd(_mm512_load_pd(sum), wrench));
+    }
+}
+
+/// Take them away.
+///
+/// # Safety
+/// As above.
+#[inline(always)]
+unsafe fn take_wide(to: *mut f64, at: u32, wrench: __m512d) {
+    // SAFETY: by the caller; sums lie at multiples of 64.
+    unsafe {
+        let sum = to.add(at as usize);
+        _mm512_store_pd(sum, _mm512_sub_pd(_mm512_load_pd(sum), wrench));
     }
 }
 
@@ -151,8 +241,34 @@ impl<const FUSED: bool, const FAST: bool> Numbers for Wide<FUSED, FAST> {
         if !FAST {
             return self.sqrt();
         }
-        let inverse = self.max(Self::splat(f64::MIN_POSITIVE)).reciprocal_root();
-        self * inverse
+        // As `reciprocal_root`, times the number.
+        unsafe {
+            let y = _mm512_rsqrt14_pd(_mm512_max_pd(self.0, _mm512_set1_pd(f64::MIN_POSITIVE)));
+            let root = _mm512_mul_pd(self.0, y);
+            let e = _mm512_fnmadd_pd(root, y, _mm512_set1_pd(1.0));
+            Self(_mm512_fmadd_pd(_mm512_mul_pd(root, e), series(e), root))
+        }
+    }
+    #[inline(always)]
+    fn both_roots(self) -> [Self; 2] {
+        if !FAST {
+            let root = self.sqrt();
+            return [root, root.sqrt()];
+        }
+        // The table asked twice gives `z`, the reciprocal of the fourth root to 9.2e-5. What its fourth power lacks,
+        // `e = 1 - x z^4`, is below 3.7e-4: a series whose next term is below 1e-18.
+        unsafe {
+            let x = self.0;
+            let z = _mm512_rsqrt14_pd(_mm512_mul_pd(x, _mm512_rsqrt14_pd(x)));
+            let z2 = _mm512_mul_pd(z, z);
+            let e = _mm512_fnmadd_pd(_mm512_mul_pd(x, z2), z2, _mm512_set1_pd(1.0));
+            let (a1, a2) = (_mm512_set1_pd(1.0 / 4.0), _mm512_set1_pd(5.0 / 32.0));
+            let (a3, a4) = (_mm512_set1_pd(15.0 / 128.0), _mm512_set1_pd(195.0 / 2048.0));
+            let series = _mm512_fmadd_pd(_mm512_fmadd_pd(a4, e, a3), e, a2);
+            let z = _mm512_fmadd_pd(_mm512_mul_pd(z, e), _mm512_fmadd_pd(series, e, a1), z);
+            let root = _mm512_mul_pd(x, _mm512_mul_pd(z, z));
+            [Self(root), Self(_mm512_mul_pd(root, z))]
+        }
     }
     #[inline(always)]
     fn reciprocal_root(self) -> Self {
@@ -161,10 +277,7 @@ impl<const FUSED: bool, const FAST: bool> Numbers for Wide<FUSED, FAST> {
         unsafe {
             let y = _mm512_rsqrt14_pd(self.0);
             let e = _mm512_fnmadd_pd(_mm512_mul_pd(self.0, y), y, _mm512_set1_pd(1.0));
-            let (a1, a2) = (_mm512_set1_pd(1.0 / 2.0), _mm512_set1_pd(3.0 / 8.0));
-            let a3 = _mm512_set1_pd(5.0 / 16.0);
-            let series = _mm512_fmadd_pd(_mm512_fmadd_pd(a3, e, a2), e, a1);
-            Self(_mm512_fmadd_pd(_mm512_mul_pd(y, e), series, y))
+            Self(_mm512_fmadd_pd(_mm512_mul_pd(y, e), series(e), y))
         }
     }
     #[inline(always)]
@@ -239,7 +352,7 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
     }
     #[inline(always)]
     unsafe fn add_wrenches(
-        [f, ti, tj]: [[Self; 4]; 3],
+        [f, ti, tj]: [V3<Self>; 3],
         to: *mut f64,
         within: u32,
         first: &[u32; 8],
@@ -247,19 +360,44 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
     ) {
         unsafe {
             let (first, second) = (sums_at(within, first), sums_at(within, second));
-            let (f, ti, tj) = (rows_of(f), rows_of(ti), rows_of(tj));
-            let opposite = _mm512_setr_pd(-0.0, -0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0);
+            // Of the second sphere both are taken away.
+            let tj = -tj;
+            let three = (&raw const THREE).read_volatile();
+            let (f, ti, tj) = (vectors_of(f, three), vectors_of(ti, three), vectors_of(tj, three));
             // In the order of the list: rows 0 to 3 hold the first four contacts in their lower halves.
             for k in 0..4 {
-                let on_second = _mm512_shuffle_f64x2::<0x44>(f[k], tj[k]);
-                add_wide(to, first[k], _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
-                add_wide(to, second[k], _mm512_xor_pd(on_second, opposite));
+                let from_second = _mm512_shuffle_f64x2::<0x44>(f[k], tj[k]);
+                add_wide(to, first.of(k), _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
+                take_wide(to, second.of(k), from_second);
             }
             for k in 0..4 {
-                let on_second = _mm512_shuffle_f64x2::<0xEE>(f[k], tj[k]);
-                add_wide(to, first[k + 4], _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
-                add_wide(to, second[k + 4], _mm512_xor_pd(on_second, opposite));
+                let from_second = _mm512_shuffle_f64x2::<0xEE>(f[k], tj[k]);
+                add_wide(to, first.of(k + 4), _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
+                take_wide(to, second.of(k + 4), from_second);
             }
+        }
+    }
+    #[inline(always)]
+    unsafe fn of_spheres(
+        [position, velocity, end, spin]: [*const f64; 4],
+        first: &[u32; 8],
+        second: &[u32; 8],
+    ) -> [V3<Self>; 5] {
+        unsafe {
+            // Contact by contact: places of all of them are more than the registers hold.
+            let none = _mm512_setzero_pd();
+            let mut row = [[none; 4]; 5];
+            for k in 0..4 {
+                let (i, j) = ([first[k], first[k + 4]], [second[k], second[k + 4]]);
+                row[0][k] = _mm512_sub_pd(two_quads(position, j), two_quads(position, i));
+                row[1][k] = _mm512_sub_pd(two_quads(velocity, i), two_quads(velocity, j));
+                row[2][k] = _mm512_sub_pd(two_quads(end, i), two_quads(end, j));
+                row[3][k] = two_quads(spin, i);
+                row[4][k] = two_quads(spin, j);
+            }
+            let of = [columns(row[0]), columns(row[1]), columns(row[2])];
+            let spins = [columns(row[3]), columns(row[4])];
+            [V3::of(of[0]), V3::of(of[1]), V3::of(of[2]), V3::of(spins[0]), V3::of(spins[1])]
         }
     }
     #[inline(always)]

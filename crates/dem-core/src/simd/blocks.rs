@@ -3,7 +3,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::lanes::{Lanes, Mask, Numbers};
+use super::lanes::{Lanes, Mask, Numbers, V3};
 
 /// Most blocks at once.
 pub(super) const MOST: usize = 2;
@@ -35,12 +35,21 @@ pub(super) trait Blocks: Numbers {
     /// # Safety
     /// All of them can be read and written.
     unsafe fn add_wrenches(
-        wrenches: [[Self; 4]; 3],
+        wrenches: [V3<Self>; 3],
         to: *mut f64,
         within: u32,
         first: &[[u32; 8]],
         second: &[[u32; 8]],
     );
+    /// As [`Lanes::of_spheres`], block by block.
+    ///
+    /// # Safety
+    /// All of them can be read.
+    unsafe fn of_spheres(
+        from: [*const f64; 4],
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+    ) -> [V3<Self>; 5];
     /// As [`Lanes::differences`], block by block.
     ///
     /// # Safety
@@ -84,7 +93,7 @@ impl<V: Lanes> Blocks for V {
     }
     #[inline(always)]
     unsafe fn add_wrenches(
-        wrenches: [[Self; 4]; 3],
+        wrenches: [V3<Self>; 3],
         to: *mut f64,
         within: u32,
         first: &[[u32; 8]],
@@ -92,6 +101,15 @@ impl<V: Lanes> Blocks for V {
     ) {
         // SAFETY: by the caller.
         unsafe { <V as Lanes>::add_wrenches(wrenches, to, within, &first[0], &second[0]) }
+    }
+    #[inline(always)]
+    unsafe fn of_spheres(
+        from: [*const f64; 4],
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+    ) -> [V3<Self>; 5] {
+        // SAFETY: by the caller.
+        unsafe { <V as Lanes>::of_spheres(from, &first[0], &second[0]) }
     }
     #[inline(always)]
     unsafe fn differences<const EACH: usize>(
@@ -197,6 +215,11 @@ impl<V: Lanes> Numbers for Two<V> {
         Self(self.0.root(), self.1.root())
     }
     #[inline(always)]
+    fn both_roots(self) -> [Self; 2] {
+        let (a, b) = (self.0.both_roots(), self.1.both_roots());
+        [Self(a[0], b[0]), Self(a[1], b[1])]
+    }
+    #[inline(always)]
     fn reciprocal(self) -> Self {
         Self(self.0.reciprocal(), self.1.reciprocal())
     }
@@ -274,20 +297,38 @@ impl<V: Lanes> Blocks for Two<V> {
     }
     #[inline(always)]
     unsafe fn add_wrenches(
-        [f, ti, tj]: [[Self; 4]; 3],
+        [f, ti, tj]: [V3<Self>; 3],
         to: *mut f64,
         within: u32,
         first: &[[u32; 8]],
         second: &[[u32; 8]],
     ) {
-        let low = |v: [Self; 4]| [v[0].0, v[1].0, v[2].0, v[3].0];
-        let high = |v: [Self; 4]| [v[0].1, v[1].1, v[2].1, v[3].1];
+        let low = |v: V3<Self>| V3 { x: v.x.0, y: v.y.0, z: v.z.0 };
+        let high = |v: V3<Self>| V3 { x: v.x.1, y: v.y.1, z: v.z.1 };
         // SAFETY: by the caller.
         unsafe {
             let wrenches = [low(f), low(ti), low(tj)];
             <V as Lanes>::add_wrenches(wrenches, to, within, &first[0], &second[0]);
             let wrenches = [high(f), high(ti), high(tj)];
             <V as Lanes>::add_wrenches(wrenches, to, within, &first[1], &second[1]);
+        }
+    }
+    #[inline(always)]
+    unsafe fn of_spheres(
+        from: [*const f64; 4],
+        first: &[[u32; 8]],
+        second: &[[u32; 8]],
+    ) -> [V3<Self>; 5] {
+        // SAFETY: by the caller.
+        unsafe {
+            let a = <V as Lanes>::of_spheres(from, &first[0], &second[0]);
+            let b = <V as Lanes>::of_spheres(from, &first[1], &second[1]);
+            let both = |k: usize| V3 {
+                x: Two(a[k].x, b[k].x),
+                y: Two(a[k].y, b[k].y),
+                z: Two(a[k].z, b[k].z),
+            };
+            [both(0), both(1), both(2), both(3), both(4)]
         }
     }
     #[inline(always)]

@@ -34,8 +34,10 @@ const NEARLY_FLAT: f64 = 1e-4;
 /// `1 / sqrt(1 - x)` is one and these times the powers of `x`.
 const LENGTHS: [f64; 3] = [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0];
 
-/// Largest twist, rad, for the short series of fused kernels: the next terms are 2e-16 of a sine and 3e-21.
+/// Largest twist, rad, for the short series of the tangent in fused kernels: the next term is 5e-16.
 const SMALL_TWIST: f64 = 0.01;
+/// `tan x / x` is one and these times the powers of `x^2`.
+const TANGENT: [f64; 2] = [1.0 / 3.0, 2.0 / 15.0];
 
 impl<V: Numbers> Before<V> {
     /// In exact kernels.
@@ -93,9 +95,8 @@ impl<V: Numbers> Before<V> {
         if V::FUSED {
             let flat = old.less_times(normal, self.along);
             let share = (k * self.over_stiffness).min(V::splat(most));
-            let [sin, cos] = self.turned_at_length(old, flat, twist, used);
             // The cross product of the normal with its own part of the spring is nothing.
-            return flat.times_plus(cos * share, normal.cross(old) * (sin * share));
+            return self.turned_at_length(old, [flat, normal.cross(old)], twist, used) * share;
         }
         let flat = old.less_times(normal, old.dot(normal));
         let (flat2, size2) = (flat.dot(flat), old.dot(old));
@@ -108,31 +109,45 @@ impl<V: Numbers> Before<V> {
         carried * share
     }
 
-    /// Sine and cosine of the twist, both times the old length of the spring over that of its part in the plane.
+    /// The spring's part in the plane, `flat`, turned by the twist towards what stands at right angles to it, at the spring's
+    /// old length.
     #[inline(always)]
-    fn turned_at_length(&self, spring: V3<V>, flat: V3<V>, twist: V, used: V::Mask) -> [V; 2] {
+    fn turned_at_length(
+        &self,
+        spring: V3<V>,
+        [flat, aside]: [V3<V>; 2],
+        twist: V,
+        used: V::Mask,
+    ) -> V3<V> {
         let one = V::splat(1.0);
         let lost = self.along * self.along * self.over_square;
-        let (a1, a2, a3) = (V::splat(LENGTHS[0]), V::splat(LENGTHS[1]), V::splat(LENGTHS[2]));
-        let length = lost.times_plus(lost.times_plus(lost.times_plus(a3, a2), a1), one);
         let x2 = twist * twist;
-        let (s3, s5) = (V::splat(SINE[0]), V::splat(SINE[1]));
-        let (c2, c4, c6) = (V::splat(COSINE[0]), V::splat(COSINE[1]), V::splat(COSINE[2]));
-        let sin = twist * x2.times_plus(x2.times_plus(s5, s3), one);
-        let cos = x2.times_plus(x2.times_plus(x2.times_plus(c6, c4), c2), one);
+        let (t3, t5) = (V::splat(TANGENT[0]), V::splat(TANGENT[1]));
+        let tangent = twist * x2.times_plus(x2.times_plus(t5, t3), one);
+        // What is added makes it longer by the square of the tangent: both are mended at once.
+        let longer = tangent * tangent;
+        let lacks = lost.times_plus(longer, lost - longer);
+        let (a1, a2, a3) = (V::splat(LENGTHS[0]), V::splat(LENGTHS[1]), V::splat(LENGTHS[2]));
+        let length = lacks.times_plus(lacks.times_plus(lacks.times_plus(a3, a2), a1), one);
+        let turned = aside.times_plus(tangent, flat) * length;
         let far = V::splat(NEARLY_FLAT).less(lost) & used;
         let large = V::splat(SMALL_TWIST).less(twist.abs()) & used;
         if (far | large).is_empty() {
-            return [sin * length, cos * length];
+            return turned;
         }
-        let (sin, cos) = large_sin_cos(twist, sin, cos, large);
-        let (flat2, zero) = (flat.dot(flat), V::splat(0.0));
-        let far_length = (spring.dot(spring) / flat2).sqrt();
-        // A spring along the normal has no direction left.
-        let far_length = far_length.select(zero.less(flat2), zero);
-        let length = far_length.select(far, length);
-        [sin * length, cos * length]
+        by_functions(spring, [flat, aside], twist).select(far | large, turned)
     }
+}
+
+/// `turned_at_length` of springs that stand out far or turn much.
+#[cold]
+fn by_functions<V: Numbers>(spring: V3<V>, [flat, aside]: [V3<V>; 2], twist: V) -> V3<V> {
+    let (sin, cos) = (twist.one_by_one(f64::sin), twist.one_by_one(f64::cos));
+    let (flat2, zero) = (flat.dot(flat), V::splat(0.0));
+    let length = (spring.dot(spring) / flat2).sqrt();
+    // A spring along the normal has no direction left.
+    let length = length.select(zero.less(flat2), zero);
+    flat.times_plus(cos * length, aside * (sin * length))
 }
 
 /// Sine and cosine of the twists of a step, as in `contact/spring.rs`; `used` are the lanes that

@@ -17,6 +17,8 @@ use super::{Constants, Form};
 
 /// Numbers that a contact of these laws remembers: the spring's force and its signed stiffness.
 pub(crate) const SLOTS: usize = 4;
+/// Smallest overlap of fast kernels, m: none, but its product with a radius has a root and a reciprocal.
+const LEAST_OVERLAP: f64 = 1e-90;
 /// What of the laws a world makes use of: the same for all of its contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Features {
@@ -187,10 +189,12 @@ fn limit<V: Numbers>(
 ) -> (V3<V>, V::Mask) {
     let size2 = trial.dot(trial);
     let slides = (threshold * threshold).less(size2) & used;
-    if (rare || !V::FEW) && slides.is_empty() {
+    if !V::FAST && (rare || !V::FEW) && slides.is_empty() {
         return (trial, slides);
     }
-    let scaled = trial * over_root(bound, size2);
+    // What slides is longer than nothing.
+    let scale = if V::FAST { bound * size2.reciprocal_root() } else { over_root(bound, size2) };
+    let scaled = trial * scale;
     (scaled.select(slides, trial), slides)
 }
 
@@ -238,11 +242,16 @@ fn against<V: Numbers>(spin: V3<V>, limit: V) -> V3<V> {
 
 /// Hertz, and both dashpots.
 #[inline(always)]
-pub(super) fn press<V: Numbers>(p: &Pressing<V>, laws: &Laws<V>) -> Pressed<V> {
-    let delta = p.overlap.max(V::splat(0.0));
-    let a = (p.r_star * delta).root();
+pub(super) fn press<V: Numbers, const ALIKE: bool>(p: &Pressing<V>, laws: &Laws<V>) -> Pressed<V> {
+    let delta = p.overlap.max(V::splat(if V::FAST { LEAST_OVERLAP } else { 0.0 }));
     // Both dashpots go with the root of mass times contact radius.
-    let inertia = (p.m_star * a).root();
+    let (a, inertia) = if V::FAST && ALIKE {
+        let [a, own] = (p.r_star * delta).both_roots();
+        (a, own * p.m_star.root())
+    } else {
+        let a = (p.r_star * delta).root();
+        (a, (p.m_star * a).root())
+    };
     let (elastic, viscosity, dashpot) = if V::FUSED {
         (laws.hertz * delta * a, laws.viscous * inertia, laws.dashpot * inertia)
     } else {
@@ -298,11 +307,12 @@ pub(super) fn answer<V: Numbers, const ALIKE: bool>(
         (sticking, sticking)
     };
     let (spring, sliding) = limit(trial, threshold, bound, touching, false);
-    let sticks_damped = touching & !sliding & zero.less(dashpot);
+    let sticks = touching & !sliding;
+    // No dashpot changes nothing but the sign of zero.
+    let sticks_damped = if V::FAST { sticks } else { sticks & zero.less(dashpot) };
     // Sliding contacts are at the limit already and have no dashpot: few are left here.
-    let damped = spring.less_times(m.slip, dashpot);
-    let (damped, _) = limit(damped, sticking, sticking, sticks_damped, true);
-    let shear = damped.select(sticks_damped, spring);
+    let damped = spring.less_times(m.slip, dashpot).select(sticks_damped, spring);
+    let (shear, _) = limit(damped, sticking, sticking, sticks_damped, true);
     let moment = n.cross(shear);
     // Rolling.
     let (torque_i, torque_j) = if features.form.absolute_spin {
@@ -314,12 +324,7 @@ pub(super) fn answer<V: Numbers, const ALIKE: bool>(
     } else {
         let arm = laws.arm_ratio.times_plus(m.r_star, laws.arm_length);
         let roll = against(m.rolling, arm * load);
-        if ALIKE {
-            let both = moment * m.lever_i;
-            (both + roll, both - roll)
-        } else {
-            (moment.times_plus(m.lever_i, roll), moment.times_less(m.lever_j, roll))
-        }
+        (moment.times_plus(m.lever_i, roll), moment.times_less(m.lever_j, roll))
     };
     let repulsion = if features.cohesive { normal - pull(m, laws.energy_density) } else { normal };
     Out {
@@ -341,7 +346,7 @@ pub(super) fn respond<V: Numbers, const ALIKE: bool>(
     (old, before): (&Remembered<V>, &Before<V>),
     touching: V::Mask,
 ) -> Out<V> {
-    let pressed = press(pressing, laws);
+    let pressed = press::<V, ALIKE>(pressing, laws);
     let motion = [m.normal, m.slip];
     let trial = would_be(motion, twist, dt, &pressed, (old, before), features.form, touching);
     answer::<V, ALIKE>(m, laws, features, &pressed, trial, old.stiffness, touching)

@@ -50,6 +50,12 @@ pub(crate) trait Numbers:
     fn root(self) -> Self {
         self.sqrt()
     }
+    /// The root of what is positive, and the root of that; to about four units in the last place where the numbers are fast.
+    #[inline(always)]
+    fn both_roots(self) -> [Self; 2] {
+        let root = self.root();
+        [root, root.root()]
+    }
     /// `1 / sqrt(x)` to about two units in the last place, `x` positive and normal.
     fn reciprocal_root(self) -> Self;
     /// `1 / x`; to about two units in the last place where the numbers are fast.
@@ -153,7 +159,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// # Safety
     /// All of them can be read and written.
     unsafe fn add_wrenches(
-        wrenches: [[Self; 4]; 3],
+        wrenches: [V3<Self>; 3],
         to: *mut f64,
         within: u32,
         first: &[u32; 8],
@@ -168,6 +174,26 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
         of: &[u32; 8],
         less: &[u32; 8],
     ) -> [Self; 4];
+    /// What contacts of spheres alike gather: of the second spheres' positions those of the first ones taken away, of the first
+    /// ones' mean velocities and velocities at the end those of the second ones, and the spins of both.
+    ///
+    /// # Safety
+    /// All of them can be read.
+    #[inline(always)]
+    unsafe fn of_spheres(
+        [position, velocity, end, spin]: [*const f64; 4],
+        first: &[u32; 8],
+        second: &[u32; 8],
+    ) -> [V3<Self>; 5] {
+        // SAFETY: by the caller.
+        unsafe {
+            let apart = V3::of(Self::differences::<1>(position, second, first));
+            let approach = V3::of(Self::differences::<1>(velocity, first, second));
+            let end = V3::of(Self::differences::<1>(end, first, second));
+            let spins = [Self::quads::<1>(spin, first), Self::quads::<1>(spin, second)];
+            [apart, approach, end, V3::of(spins[0]), V3::of(spins[1])]
+        }
+    }
     /// Where the numbers of records begin that `order` picks among eight: at four times their places.
     fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
     /// The same of eight places that follow each other from `begin` on.
@@ -256,9 +282,9 @@ impl<V: Numbers> V3<V> {
     #[inline(always)]
     pub(crate) fn less_times(self, v: Self, s: V) -> Self {
         Self {
-            x: self.x.less_times(v.x, s),
-            y: self.y.less_times(v.y, s),
-            z: self.z.less_times(v.z, s),
+            x: self.x.less_times(s, v.x),
+            y: self.y.less_times(s, v.y),
+            z: self.z.less_times(s, v.z),
         }
     }
 
@@ -267,9 +293,9 @@ impl<V: Numbers> V3<V> {
     pub(crate) fn cross_plus(self, o: Self, to: Self) -> Self {
         if V::FUSED {
             Self {
-                x: self.y.times_plus(o.z, to.x.less_times(o.y, self.z)),
-                y: self.z.times_plus(o.x, to.y.less_times(o.z, self.x)),
-                z: self.x.times_plus(o.y, to.z.less_times(o.x, self.y)),
+                x: self.y.times_plus(o.z, to.x.less_times(self.z, o.y)),
+                y: self.z.times_plus(o.x, to.y.less_times(self.x, o.z)),
+                z: self.x.times_plus(o.y, to.z.less_times(self.y, o.x)),
             }
         } else {
             to + self.cross(o)
@@ -279,9 +305,9 @@ impl<V: Numbers> V3<V> {
     #[inline(always)]
     pub(crate) fn cross(self, o: Self) -> Self {
         Self {
-            x: self.y.times_less(o.z, o.y * self.z),
-            y: self.z.times_less(o.x, o.z * self.x),
-            z: self.x.times_less(o.y, o.x * self.y),
+            x: (self.y * o.z).less_times(o.y, self.z),
+            y: (self.z * o.x).less_times(o.z, self.x),
+            z: (self.x * o.y).less_times(o.x, self.y),
         }
     }
 

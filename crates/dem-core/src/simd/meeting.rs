@@ -39,11 +39,8 @@ fn apart_by<V: Numbers>(apart: V3<V>, square: V, old: &Remembered<V>) -> (V, V, 
     if V::FAST {
         // Of centres at one place, too, so that they are found to overlap too deeply.
         let inverse = square.max(V::splat(f64::MIN_POSITIVE)).reciprocal_root();
-        let near = square * inverse;
-        // Overlaps are small differences of distances: what the root lacks is added.
-        let lacks = square.less_times(near, near) * (V::splat(0.5) * inverse);
-        let before = Before::by_itself(old, old.spring.dot(apart) * inverse);
-        return (near + lacks, inverse, before);
+        let before = Before::by_itself(old, old.spring.dot(apart * inverse));
+        return (square * inverse, inverse, before);
     }
     let distance = square.sqrt();
     if V::FUSED {
@@ -73,10 +70,10 @@ impl<V: Numbers> Line<V> {
         Self { apart, inverse, normal: apart * inverse }
     }
 
-    /// The part of a vector along the line; fused kernels do not wait for the normal.
+    /// The part of a vector along the line; fused kernels do not wait for the normal, unless it is soon there.
     #[inline(always)]
     pub(super) fn along(&self, v: V3<V>) -> V {
-        if V::FUSED { v.dot(self.apart) * self.inverse } else { v.dot(self.normal) }
+        if V::FUSED && !V::FAST { v.dot(self.apart) * self.inverse } else { v.dot(self.normal) }
     }
 }
 
@@ -102,10 +99,11 @@ pub(super) fn slide<V: Numbers, const ALIKE: bool>(
 ) -> Slide<V> {
     let n = line.normal;
     let (approaching, spin_sum) = (line.along(approach), line.along(wi + wj));
-    let back = V::splat(0.25 * dt) * approaching;
+    let quarter = V::splat(0.25 * dt);
     let turning = if V::FUSED && ALIKE {
-        (wi + wj) * (lever_i + back)
+        (wi + wj) * quarter.times_plus(approaching, lever_i)
     } else {
+        let back = quarter * approaching;
         wi.times_plus(lever_i + back, wj * (lever_j + back))
     };
     let slip = if V::FUSED {
@@ -118,6 +116,10 @@ pub(super) fn slide<V: Numbers, const ALIKE: bool>(
     Slide {
         slip,
         rolling: spin.less_times(n, line.along(spin)),
-        twist: V::splat(0.5) * spin_sum * V::splat(dt),
+        twist: if V::FUSED {
+            spin_sum * V::splat(0.5 * dt)
+        } else {
+            V::splat(0.5) * spin_sum * V::splat(dt)
+        },
     }
 }

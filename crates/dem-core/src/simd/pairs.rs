@@ -239,9 +239,20 @@ impl PairKernel<'_> {
         let size = if ALIKE { Some(self.one_size.unwrap_or_default()) } else { self.one_size };
         let [radius, mass] = [0, 1].map(|k| size.map(|s| s[k]));
         let clumps = if MORE { s.clumps.as_ref() } else { None };
+        let alike = if ALIKE && clumps.is_none() {
+            let from = [s.position, s.mean_velocity, s.end_velocity, s.mean_spin];
+            let from = [from[0].as_ptr(), from[1].as_ptr(), from[2].as_ptr(), from[3].as_ptr()];
+            let from = [from[0].cast(), from[1].cast(), from[2].cast(), from[3].cast()];
+            // SAFETY: by the caller.
+            Some(unsafe { V::of_spheres(from, b.first, b.second) })
+        } else {
+            None
+        };
         // SAFETY: by the caller.
         let (mut d, [rj, ri], places) = unsafe {
-            if clumps.is_some() {
+            if let Some([apart, ..]) = alike {
+                (apart, [V::splat(radius.unwrap_or_default()); 2], None)
+            } else if clumps.is_some() {
                 let from = s.position.as_ptr().cast();
                 let (i, j) = (V::quads::<1>(from, b.first), V::quads::<1>(from, b.second));
                 (V3::of(j) - V3::of(i), [j[3], i[3]], Some([V3::of(i), V3::of(j)]))
@@ -256,7 +267,11 @@ impl PairKernel<'_> {
         }
         // SAFETY: by the caller.
         let (approach, [mi, mj], wi, wj, end) = unsafe {
-            if let (Some(c), Some([xi, xj])) = (clumps, places) {
+            if let Some([_, approach, end, wi, wj]) = alike {
+                let (none, mass) = (V::splat(0.0), V::splat(mass.unwrap_or_default()));
+                let [wi, wj] = [[wi.x, wi.y, wi.z, none], [wj.x, wj.y, wj.z, none]];
+                (approach, [mass; 2], wi, wj, end)
+            } else if let (Some(c), Some([xi, xj])) = (clumps, places) {
                 let i = on_clump::<V>(s, c, b.first, xi);
                 let j = on_clump::<V>(s, c, b.second, xj);
                 on = Some([(i.bodies, i.arm), (j.bodies, j.arm)]);
@@ -435,7 +450,8 @@ unsafe fn store<V: Blocks>(
             }
             Sink::Summed(to, within) => {
                 let [f, ti, tj] = wrench;
-                let wrench = [record(f, zero), record(ti, zero), record(tj, zero)];
+                let (f, ti) = (f.select(touching, none), ti.select(touching, none));
+                let wrench = [f, ti, tj.select(touching, none)];
                 V::add_wrenches(wrench, to, within, first, second);
             }
         }

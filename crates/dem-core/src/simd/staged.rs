@@ -136,7 +136,7 @@ impl PairKernel<'_> {
                 touching: met.touching,
                 inverse: met.inverse,
                 overlap: met.overlap,
-                pressed: press(&pressing, laws),
+                pressed: press::<_, ALIKE>(&pressing, laws),
             });
         }
     }

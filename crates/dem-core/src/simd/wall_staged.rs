@@ -174,7 +174,11 @@ impl PairKernel<'_> {
             } else {
                 Before::nothing()
             };
-            desk.met[g].write(Met { pressed: press(&faced.pressing, laws), faced, before });
+            desk.met[g].write(Met {
+                pressed: press::<_, false>(&faced.pressing, laws),
+                faced,
+                before,
+            });
         }
     }
 
