@@ -19,7 +19,7 @@ impl ToldOfBlock for u8 {
     #[inline(always)]
     unsafe fn of<V: Lanes>(kernel: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> Self {
         // SAFETY: by the caller.
-        unsafe { kernel.near::<V>(first, second) }
+        unsafe { kernel.near::<V, 4>(first, second) }
     }
 }
 
@@ -28,7 +28,7 @@ impl ToldOfBlock for [f64; 8] {
     #[inline(always)]
     unsafe fn of<V: Lanes>(kernel: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> Self {
         // SAFETY: by the caller.
-        let (d2, sum) = unsafe { kernel.apart::<V>(first, second) };
+        let (d2, sum) = unsafe { kernel.apart::<V, 4>(first, second) };
         let mut gaps = [0.0; 8];
         (d2.sqrt() - sum).store(&mut gaps);
         gaps
@@ -105,26 +105,36 @@ impl PairKernel<'_> {
         }
     }
 
-    /// # Safety
-    /// Every place is that of a sphere.
-    #[inline(always)]
-    pub(super) unsafe fn near<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> u8 {
-        // SAFETY: by the caller.
-        let (d2, sum) = unsafe { self.apart::<V>(first, second) };
-        d2.less(sum * sum)
-    }
-
-    /// Squares of the distances of centres, and sums of radii.
+    /// Bits of those that touch, of spheres at `EACH` quarters of what is given.
     ///
     /// # Safety
     /// Every place is that of a sphere.
     #[inline(always)]
-    unsafe fn apart<V: Lanes>(&self, first: &[u32; 8], second: &[u32; 8]) -> (V, V) {
+    pub(super) unsafe fn near<V: Lanes, const EACH: usize>(
+        &self,
+        first: &[u32; 8],
+        second: &[u32; 8],
+    ) -> u8 {
+        // SAFETY: by the caller.
+        let (d2, sum) = unsafe { self.apart::<V, EACH>(first, second) };
+        d2.less(sum * sum)
+    }
+
+    /// Squares of the distances of centres, and sums of radii, of spheres at `EACH` quarters of what is given.
+    ///
+    /// # Safety
+    /// Every place is that of a sphere.
+    #[inline(always)]
+    unsafe fn apart<V: Lanes, const EACH: usize>(
+        &self,
+        first: &[u32; 8],
+        second: &[u32; 8],
+    ) -> (V, V) {
         let radius = self.one_size.map(|s| s[0]);
         let (first, second) = (from_ref(first), from_ref(second));
         // SAFETY: by the caller.
         let (mut d, [rj, ri]) =
-            unsafe { difference::<V, 4>(self.spheres.position, second, first, radius) };
+            unsafe { difference::<V, EACH>(self.spheres.position, second, first, radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }

@@ -48,6 +48,8 @@ struct Block<'a> {
 /// Where contacts of a run remember and write: four numbers each.
 #[derive(Clone, Copy)]
 pub(super) struct Sinks {
+    /// Marks of pairs.
+    pub(super) active: *mut u8,
     pub(super) memory: *mut f64,
     pub(super) wrenches: Sink,
 }
@@ -61,9 +63,24 @@ pub(super) enum Sink {
 }
 
 impl Sinks {
+    /// Take the marks off those lanes of pairs whose numbers begin there.
+    ///
+    /// # Safety
+    /// They are pairs of the run.
+    #[inline(always)]
+    pub(super) unsafe fn unmark(&self, lanes: u8, pairs: &[u32]) {
+        let mut left = lanes;
+        while left != 0 {
+            // SAFETY: by the caller.
+            unsafe { *self.active.add(pairs[left.trailing_zeros() as usize] as usize / 4) = 0 };
+            left &= left - 1;
+        }
+    }
+
     #[inline(always)]
     fn of(run: &mut Run<'_>) -> Self {
         Self {
+            active: run.active.as_mut_ptr(),
             memory: run.memory.as_mut_ptr(),
             wrenches: match &mut run.wrenches {
                 Wrenches::Kept(each) => {
@@ -344,6 +361,11 @@ impl PairKernel<'_> {
         }
         // SAFETY: by the caller.
         unsafe { store(&b, sinks, sums, met.touching, &out, nothing) };
+        let touching = V::bits(met.touching);
+        for k in 0..V::COUNT {
+            // SAFETY: by the caller.
+            unsafe { sinks.unmark(b.valid[k] & !touching[k], &b.pair[k]) };
+        }
         V::bits(met.deep)
     }
 }

@@ -75,7 +75,7 @@ impl PairKernel<'_> {
             unsafe {
                 self.gather::<FUSED, ALIKE, MORE>(&mut desk.gathered, batch, sinks.memory);
                 let left = acting.count - done;
-                self.press_all::<FUSED, ALIKE>(&mut desk, batch.pair.len(), left, &laws);
+                self.press_all::<FUSED, ALIKE>(&mut desk, (batch, sinks), left, &laws);
                 self.move_all::<FUSED, ALIKE, MORE>(&mut desk, batch.pair.len(), next, sinks);
                 self.answer_all::<FUSED, ALIKE, MORE>(&desk, batch, sinks, &laws);
             }
@@ -106,7 +106,8 @@ impl PairKernel<'_> {
         unsafe { desk.gathered.sizes[g].assume_init() }
     }
 
-    /// Distances, normal forces and stiffnesses of so many groups, of which `count` contacts matter.
+    /// Distances, normal forces and stiffnesses of a batch, of which `count` contacts matter; those that touch no more lose their
+    /// marks.
     ///
     /// # Safety
     /// As above.
@@ -114,17 +115,19 @@ impl PairKernel<'_> {
     unsafe fn press_all<const FUSED: bool, const ALIKE: bool>(
         &self,
         desk: &mut Desk<FUSED>,
-        groups: usize,
+        (batch, sinks): (Batch<'_>, Sinks),
         count: usize,
         laws: &Laws<Half<FUSED>>,
     ) {
-        for g in 0..groups.min(GROUPS) {
+        for (g, pairs) in batch.pair.iter().enumerate().take(GROUPS) {
             // SAFETY: by the caller.
             let (Given { apart, end, old, .. }, sizes) = unsafe {
                 (desk.gathered.given[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
-            let valid = Which::of(lowest_bits(count.saturating_sub(4 * g)));
-            let met = meet(*apart, sizes.radii, old, valid, self.overlap_limit);
+            let valid = lowest_bits(count.saturating_sub(4 * g)) & 0xf;
+            let met = meet(*apart, sizes.radii, old, Which::of(valid), self.overlap_limit);
+            // SAFETY: by the caller.
+            unsafe { sinks.unmark(valid & !met.touching.bits(), pairs) };
             desk.deep[g] = met.deep.bits();
             if FUSED {
                 desk.before[g].write(met.before);
