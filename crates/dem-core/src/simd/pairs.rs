@@ -361,10 +361,10 @@ impl PairKernel<'_> {
         }
         // SAFETY: by the caller.
         unsafe { store(&b, sinks, sums, met.touching, &out, nothing) };
-        let touching = V::bits(met.touching);
-        for k in 0..V::COUNT {
+        let lanes = b.valid.into_iter().zip(V::bits(met.touching));
+        for ((valid, touching), pairs) in lanes.zip(b.pair) {
             // SAFETY: by the caller.
-            unsafe { sinks.unmark(b.valid[k] & !touching[k], &b.pair[k]) };
+            unsafe { sinks.unmark(valid & !touching, pairs) };
         }
         V::bits(met.deep)
     }
