@@ -13,18 +13,11 @@ use crate::neighbour::search::{SET_BITS, lowest_bits};
 /// Most pairs of a run that act, and a block to fill the last one up.
 const MOST: usize = CHUNK + 8;
 
-/// Room for the pairs of a run that act: nothing is written that is not read.
+/// Room for the pairs of a run that are to be looked at, then for those that act: nothing is written that is not read.
 pub(super) struct Room {
     pair: [MaybeUninit<u32>; MOST],
     first: [MaybeUninit<u32>; MOST],
     second: [MaybeUninit<u32>; MOST],
-}
-
-impl Room {
-    pub(super) const EMPTY: Self = {
-        let none = [MaybeUninit::uninit(); MOST];
-        Self { pair: none, first: none, second: none }
-    };
 }
 
 /// Pairs of a run that touch, or did when they were computed last: where their numbers begin, which is four times
@@ -39,6 +32,11 @@ pub(super) struct Acting<'r> {
 }
 
 impl Room {
+    pub(super) const EMPTY: Self = {
+        let none = [MaybeUninit::uninit(); MOST];
+        Self { pair: none, first: none, second: none }
+    };
+
     /// The numbers before `whole`.
     ///
     /// # Safety

@@ -45,11 +45,11 @@ impl<const FUSED: bool, const FAST: bool> Neg for Wide<FUSED, FAST> {
 /// # Safety
 /// AVX-512 is there and the numbers of both can be read.
 #[inline(always)]
-unsafe fn two_quads(from: *const f64, at: [u32; 2]) -> __m512d {
+unsafe fn two_quads<const EACH: usize>(from: *const f64, at: [u32; 2]) -> __m512d {
     // SAFETY: by the caller.
     unsafe {
-        let low = _mm512_castpd256_pd512(quad::<1>(from, at[0]));
-        _mm512_insertf64x4::<1>(low, quad::<1>(from, at[1]))
+        let low = _mm512_castpd256_pd512(quad::<EACH>(from, at[0]));
+        _mm512_insertf64x4::<1>(low, quad::<EACH>(from, at[1]))
     }
 }
 
@@ -74,10 +74,7 @@ unsafe fn series(e: __m512d) -> __m512d {
 #[inline(always)]
 unsafe fn rows<const EACH: usize>(from: *const f64, p: &[u32; 8], k: usize) -> __m512d {
     // SAFETY: by the caller.
-    unsafe {
-        let low = _mm512_castpd256_pd512(quad::<EACH>(from, p[k]));
-        _mm512_insertf64x4::<1>(low, quad::<EACH>(from, p[k + 4]))
-    }
+    unsafe { two_quads::<EACH>(from, [p[k], p[k + 4]]) }
 }
 
 /// Places in two registers, and whatever else.
@@ -389,11 +386,11 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
             let mut row = [[none; 4]; 5];
             for k in 0..4 {
                 let (i, j) = ([first[k], first[k + 4]], [second[k], second[k + 4]]);
-                row[0][k] = _mm512_sub_pd(two_quads(position, j), two_quads(position, i));
-                row[1][k] = _mm512_sub_pd(two_quads(velocity, i), two_quads(velocity, j));
-                row[2][k] = _mm512_sub_pd(two_quads(end, i), two_quads(end, j));
-                row[3][k] = two_quads(spin, i);
-                row[4][k] = two_quads(spin, j);
+                row[0][k] = _mm512_sub_pd(two_quads::<1>(position, j), two_quads::<1>(position, i));
+                row[1][k] = _mm512_sub_pd(two_quads::<1>(velocity, i), two_quads::<1>(velocity, j));
+                row[2][k] = _mm512_sub_pd(two_quads::<1>(end, i), two_quads::<1>(end, j));
+                row[3][k] = two_quads::<1>(spin, i);
+                row[4][k] = two_quads::<1>(spin, j);
             }
             let of = [columns(row[0]), columns(row[1]), columns(row[2])];
             let spins = [columns(row[3]), columns(row[4])];
