@@ -196,7 +196,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 cut(&mut s.strip_yield, 1),
             );
             self.team.each(strips.count(), parts, |strip, (bodies, chunks, ring, into)| {
+                let begin = std::time::Instant::now();
                 into[0] = pass.strip(strip, bodies, chunks, &mut ring[0], deep);
+                into[0].seconds = begin.elapsed().as_secs_f64();
             });
         }
         (pairs.active, pairs.memory) = (active, memory);
@@ -239,6 +241,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.state.members = members;
         s.members_placed = !deep;
         s.strips = strips;
+        s.strips.note(&s.strip_yield);
         s.placed = placed;
         self.scratch = s;
         self.state.pairs = pairs;

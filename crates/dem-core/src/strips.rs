@@ -5,6 +5,9 @@
 //! wait for both: it is *deferred*. A strip reads deferred bodies but leaves them as they are, and the wrenches of
 //! the chunks that touch them are kept, so that a later stage finds them. All other bodies are read and
 //! written by their own strip alone. Bodies are told by pieces: a piece is deferred if one of its bodies is.
+//!
+//! Strips that took longer than others get less when the next list is cut: cores are not equally fast, above all
+//! those that others work on as well. Where strips are cut changes no bit of what comes out.
 
 use crate::contact_stage::CHUNK;
 use crate::neighbour::verlet_list::PairList;
@@ -25,7 +28,16 @@ pub(crate) struct Strips {
     waits: Vec<bool>,
     /// Whether the wrenches of a chunk are kept.
     kept: Vec<bool>,
+    /// Share of the work of each strip; none before one was timed.
+    shares: Vec<f64>,
+    /// What each has taken since the list was cut, s.
+    taken: Vec<f64>,
 }
+
+/// Least share of a strip, of an equal one, before all shares are brought to one.
+const LEAST_SHARE: f64 = 0.5;
+/// Which part of what strips differ by is mended at once: times of few steps scatter.
+const MENDED: f64 = 0.5;
 
 impl Strips {
     /// Whether the present list is cut.
@@ -36,6 +48,36 @@ impl Strips {
     /// Forget them, since the list has changed.
     pub(crate) fn forget(&mut self) {
         self.chunks.clear();
+    }
+
+    /// Note what each strip has taken for a step.
+    pub(crate) fn note(&mut self, yields: &[StripYield]) {
+        self.taken.resize(yields.len(), 0.0);
+        for (taken, strip) in self.taken.iter_mut().zip(yields) {
+            *taken += strip.seconds;
+        }
+    }
+
+    /// Give more to strips that were done early, less to others.
+    fn share_out(&mut self, strips: usize) {
+        let even = 1.0 / strips as f64;
+        if self.shares.len() != strips {
+            self.shares.clear();
+            self.shares.resize(strips, even);
+        }
+        let told = self.taken.len() == strips && self.taken.iter().all(|taken| *taken > 0.0);
+        if told {
+            for (share, taken) in self.shares.iter_mut().zip(&self.taken) {
+                *share *= taken.powf(-MENDED);
+            }
+            let all: f64 = self.shares.iter().sum();
+            for share in &mut self.shares {
+                *share = (*share / all).max(LEAST_SHARE * even);
+            }
+            let all: f64 = self.shares.iter().sum();
+            self.shares.iter_mut().for_each(|share| *share /= all);
+        }
+        self.taken.clear();
     }
 
     /// How many they are.
@@ -67,16 +109,17 @@ impl Strips {
 
     /// Cut a list of pairs of so many bodies.
     pub(crate) fn cut(&mut self, pairs: &PairList, bodies: usize, strips: usize, seats: Seats<'_>) {
-        self.cut_evenly(pairs, bodies, strips, 0, seats);
+        self.share_out(strips);
+        self.cut_by_shares(pairs, bodies, strips, 0, seats);
         // Deferred bodies lie at the beginning of every strip but the first, and are no work of the strip.
         let later = strips - 1;
         if let Some(each) = (self.deferred.len() * PIECE).checked_div(later) {
-            self.cut_evenly(pairs, bodies, strips, each, seats);
+            self.cut_by_shares(pairs, bodies, strips, each, seats);
         }
     }
 
-    /// Cut it so that every strip has the same work, if so many bodies of every strip but the first are none.
-    fn cut_evenly(
+    /// Cut it so that every strip has its share of the work, if so many bodies of every strip but the first are none.
+    fn cut_by_shares(
         &mut self,
         pairs: &PairList,
         bodies: usize,
@@ -91,9 +134,10 @@ impl Strips {
         let all = work(pieces).saturating_sub((strips - 1) * deferred);
         self.chunks.clear();
         self.pieces.clear();
-        let mut piece = 0;
+        let (mut piece, mut shares) = (0, 0.0);
         for strip in 0..=strips {
-            let before = all * strip / strips + strip.saturating_sub(1) * deferred;
+            let before = (all as f64 * shares) as usize + strip.saturating_sub(1) * deferred;
+            shares += self.shares.get(strip).copied().unwrap_or_default();
             while piece < pieces && (work(piece) < before || strip == strips) {
                 piece += 1;
             }
@@ -201,6 +245,33 @@ mod tests {
         let mut list = PairList::default();
         list.fill(spheres as usize, 1, &[found], &PairList::default(), None, Seats::OWN);
         list
+    }
+
+    #[test]
+    fn strips_that_take_longer_get_less() {
+        let (pairs, mut strips) = (chain(20_000, 70, false), Strips::default());
+        // The second core does half as much in the same time.
+        let speed = [1.0, 0.5];
+        let mut last = 0.0;
+        for _ in 0..12 {
+            strips.cut(&pairs, 20_000, 2, Seats::OWN);
+            let own = [0, 1].map(|k| strips.own(k).len() as f64);
+            let steps = [0, 1]
+                .map(|k| StripYield { seconds: own[k] / speed[k] * 1e-6, ..StripYield::default() });
+            strips.note(&steps);
+            strips.note(&steps);
+            strips.forget();
+            last = own[0] / own[1];
+        }
+        assert!((last / 2.0 - 1.0).abs() < 0.03, "{last}");
+        // A core that is taken away for long does not lose all.
+        for _ in 0..20 {
+            let stuck = StripYield { seconds: 1.0, ..StripYield::default() };
+            strips.note(&[StripYield { seconds: 1e-6, ..stuck }, stuck]);
+            strips.cut(&pairs, 20_000, 2, Seats::OWN);
+        }
+        let own = [0, 1].map(|k| strips.own(k).len() as f64);
+        assert!((own[0] / own[1] - 4.0).abs() < 0.1, "{own:?}");
     }
 
     #[test]

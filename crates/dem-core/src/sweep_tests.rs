@@ -2,6 +2,7 @@
 
 use super::MOST_STEPS;
 use crate::prelude::*;
+use crate::world::StripYield;
 
 type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
 
@@ -81,6 +82,28 @@ fn sweeps_give_the_bits_of_one_step_after_the_other() {
         // Observers see every wrench after the last step.
         assert!(swept.snapshot() == others[0].snapshot());
     }
+}
+
+#[test]
+fn where_strips_are_cut_changes_no_bit() {
+    let [mut alone, mut others @ ..] =
+        [1, 2, 2, 3].map(|threads| tube(usize::MAX, threads, Kernels::Fastest));
+    for piece in 0..20 {
+        alone.run(97).unwrap();
+        for (nth, other) in others.iter_mut().enumerate() {
+            // As if one thread were slower than the others: another one each time.
+            let strips = &mut other.scratch.strips;
+            let slow = (piece + nth) % strips.count().max(1);
+            let of = |k| if k == slow { 3.0 } else { 1.0 };
+            let told: Vec<_> = (0..strips.count())
+                .map(|k| StripYield { seconds: of(k), ..StripYield::default() })
+                .collect();
+            strips.note(&told);
+            other.run(97).unwrap();
+            assert_eq!(alone.state_hash(), other.state_hash(), "{piece} {nth}");
+        }
+    }
+    assert!(alone.list_builds() > 5, "{}", alone.list_builds());
 }
 
 #[test]

@@ -245,6 +245,8 @@ pub(crate) struct StripYield {
     pub(crate) deep: bool,
     /// Pieces that have moved on: those before it, unless they are deferred.
     pub(crate) drifted: usize,
+    /// What it has taken, s.
+    pub(crate) seconds: f64,
 }
 
 /// What one chunk of bodies yields.
