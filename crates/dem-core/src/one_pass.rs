@@ -206,6 +206,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut moved_far = s.strip_yield.iter().any(|y| y.moved_far);
         kick.collect.pairs = Some((&pairs, kept.each_ref().map(|wrenches| &wrenches[..])));
         let deferred = &strips.deferred;
+        s.body_yield.reserve(bodies.len().div_ceil(PIECE).saturating_sub(s.body_yield.len()));
         s.body_yield.resize(deferred.len(), BodyYield::default());
         let of_clumps = cut_clumps(&mut attitude, &mut end_spin, &mut positions, &members.first);
         let pieces = (cut_bodies(&mut bodies, PIECE), cut(&mut s.moved.square, 1), of_clumps);

@@ -153,6 +153,8 @@ impl Strips {
         self.waits.clear();
         self.waits.resize(pieces, false);
         self.deferred.clear();
+        // Room for all, since where strips are cut is a matter of time: a step asks for no memory.
+        self.deferred.reserve(pieces);
         for strip in 0..self.count() {
             let own = self.own(strip);
             let chunks = self.chunks[strip] as usize..self.chunks[strip + 1] as usize;
