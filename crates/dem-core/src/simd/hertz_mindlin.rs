@@ -17,8 +17,10 @@ use super::{Constants, Form};
 
 /// Numbers that a contact of these laws remembers: the spring's force and its signed stiffness.
 pub(crate) const SLOTS: usize = 4;
+
 /// Smallest overlap of fast kernels, m: none, but its product with a radius has a root and a reciprocal.
 const LEAST_OVERLAP: f64 = 1e-90;
+
 /// What of the laws a world makes use of: the same for all of its contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Features {

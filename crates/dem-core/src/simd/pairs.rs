@@ -257,9 +257,10 @@ impl PairKernel<'_> {
         let [radius, mass] = [0, 1].map(|k| size.map(|s| s[k]));
         let clumps = if MORE { s.clumps.as_ref() } else { None };
         let alike = if ALIKE && clumps.is_none() {
-            let from = [s.position, s.mean_velocity, s.end_velocity, s.mean_spin];
-            let from = [from[0].as_ptr(), from[1].as_ptr(), from[2].as_ptr(), from[3].as_ptr()];
-            let from = [from[0].cast(), from[1].cast(), from[2].cast(), from[3].cast()];
+            let (position, velocity) =
+                (s.position.as_ptr().cast(), s.mean_velocity.as_ptr().cast());
+            let (end, spin) = (s.end_velocity.as_ptr().cast(), s.mean_spin.as_ptr().cast());
+            let from = [position, velocity, end, spin];
             // SAFETY: by the caller.
             Some(unsafe { V::of_spheres(from, b.first, b.second) })
         } else {
