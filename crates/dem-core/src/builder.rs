@@ -18,7 +18,7 @@ use crate::integrate::{Integrator, VelocityVerlet};
 use crate::material::{Material, MaterialId, PairTable};
 use crate::neighbour::Period;
 use crate::noncontact::NonContactForce;
-use crate::particles::{ParticleId, Record, Sphere};
+use crate::particles::{Column, ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
 use crate::simd::{Arithmetic, Level};
 use crate::sweep::FAR;
@@ -359,7 +359,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         };
         let mut state = state;
         if !I::REMEMBERS {
-            state.bodies.linear_memory = Vec::new();
+            state.bodies.linear_memory = Column::default();
         }
         state.walls = walls
             .iter()

@@ -19,7 +19,7 @@ use crate::error::Error;
 use crate::forces::{ChunkYield, Contacts, DeepOverlap, deeper};
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
-use crate::particles::Record;
+use crate::particles::{Column, Record};
 use crate::simd::{Level, PairKernel, Wrenches, fetch, on_records, widened};
 use crate::spheres::{ClumpView, SphereView};
 use crate::step::{contacts_of, kernel_of};
@@ -251,7 +251,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if deep {
             self.place_members();
         }
-        self.check_overlaps().map(|()| moved_far)
+        // What all parts have told need not be asked of each of them.
+        if deep { self.check_overlaps().map(|()| moved_far) } else { Ok(moved_far) }
     }
 }
 
@@ -440,7 +441,7 @@ impl Scratch {
     /// Let nobody look at the wrenches of some pairs only.
     pub(crate) fn drop_some(&mut self) {
         if self.kept != Kept::All {
-            self.wrenches.touching().into_iter().for_each(Vec::clear);
+            self.wrenches.touching().into_iter().for_each(Column::clear);
             self.kept = Kept::None;
         }
     }

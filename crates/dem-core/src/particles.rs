@@ -1,6 +1,10 @@
 //! The store of bodies: one array a quantity, re-sorted in space, with stable names.
 
+mod column;
+
 use glam::DVec3;
+
+pub(crate) use column::Column;
 
 use crate::material::MaterialId;
 
@@ -137,25 +141,25 @@ pub(crate) struct Bodies {
     /// Name of the body at each place.
     pub(crate) id: Vec<u32>,
     /// Centre of mass and bounding radius.
-    pub(crate) position: Vec<Record>,
+    pub(crate) position: Column<Record>,
     /// Velocity at the end of the last step, and mass.
-    pub(crate) velocity: Vec<Record>,
+    pub(crate) velocity: Column<Record>,
     /// Angular velocity (laboratory frame), and moment of inertia of a sphere.
-    pub(crate) spin: Vec<Record>,
+    pub(crate) spin: Column<Record>,
     /// Acceleration at the end of the last step.
-    pub(crate) acceleration: Vec<Record>,
+    pub(crate) acceleration: Column<Record>,
     /// Angular acceleration of spheres; torque on clumps, N m.
-    pub(crate) angular_acceleration: Vec<Record>,
+    pub(crate) angular_acceleration: Column<Record>,
     /// Velocity averaged over the last step (its displacement over its duration), and mass.
-    pub(crate) mean_velocity: Vec<Record>,
+    pub(crate) mean_velocity: Column<Record>,
     /// Angular velocity averaged likewise, and material number.
-    pub(crate) mean_spin: Vec<Record>,
+    pub(crate) mean_spin: Column<Record>,
     /// Velocity that the last forces foretold for the end of the step, and charge.
-    pub(crate) end_velocity: Vec<Record>,
+    pub(crate) end_velocity: Column<Record>,
     /// What the integrator remembers of the translation (empty if nothing) and of the rotation
     /// (of a clump: its angular momentum).
-    pub(crate) linear_memory: Vec<Record>,
-    pub(crate) angular_memory: Vec<Record>,
+    pub(crate) linear_memory: Column<Record>,
+    pub(crate) angular_memory: Column<Record>,
     /// Place of each body, by its name.
     pub(crate) place: Vec<u32>,
 }
@@ -196,7 +200,7 @@ impl Bodies {
     }
 
     /// Put body `order[k]` at place `k`, for all `k`.
-    pub(crate) fn permute(&mut self, order: &[u32], scratch: &mut Vec<Record>) {
+    pub(crate) fn permute(&mut self, order: &[u32], scratch: &mut Column<Record>) {
         for v in [
             &mut self.position,
             &mut self.velocity,

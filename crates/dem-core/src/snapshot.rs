@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::forces::{Late, Wrench};
 use crate::geometry::{Motion, MotionState, PlacedWall, Pose, Rotation, Vibration};
 use crate::integrate::Integrator;
-use crate::particles::Record;
+use crate::particles::{Column, Record};
 use crate::world::{Kept, State, World, Wrenches};
 
 /// The state of a world at the end of a step.
@@ -238,7 +238,10 @@ impl Snapshot {
         for x in [&mut p.slots, &mut p.touching, &mut p.near_begin] {
             v.visit(x);
         }
-        for x in [&mut p.first, &mut p.second, &mut p.touching_start, &mut p.near_start] {
+        for x in [&mut p.first, &mut p.second] {
+            v.visit(x);
+        }
+        for x in [&mut p.touching_start, &mut p.near_start] {
             v.visit(x);
         }
         v.visit(&mut p.active);
@@ -433,6 +436,18 @@ impl<T: Value> Value for Vec<T> {
             return Self::new();
         }
         (0..n).map(|_| T::read(input)).collect()
+    }
+}
+
+impl<T: Value> Value for Column<T> {
+    fn write(&self, out: &mut Writer) {
+        out.put(&self.len());
+        for value in self {
+            out.put(value);
+        }
+    }
+    fn read(input: &mut Reader<'_>) -> Self {
+        Vec::read(input).into_iter().collect()
     }
 }
 

@@ -18,7 +18,7 @@ use crate::neighbour::cell_list::CellList;
 use crate::neighbour::near_order::{Moved, NearOrder};
 use crate::neighbour::verlet_list::{Found, PairList};
 use crate::neighbour::wall_list::WallList;
-use crate::particles::{Bodies, ParticleId, Record};
+use crate::particles::{Bodies, Column, ParticleId, Record};
 use crate::rigid::Clump;
 use crate::spheres::{ClumpView, Seats, SphereView};
 use crate::strips::Strips;
@@ -50,7 +50,7 @@ pub(crate) struct State {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ListState {
     /// Positions of the bodies then; square of the displacement of each that calls for a new list, m2.
-    pub(crate) reference: Vec<Record>,
+    pub(crate) reference: Column<Record>,
     /// Their attitudes then, where there are clumps.
     pub(crate) attitude: Vec<DQuat>,
     /// Time then, s.
@@ -72,9 +72,9 @@ pub(crate) struct Members {
     /// First sphere of each body; one more than bodies.
     pub(crate) first: Vec<u32>,
     /// Centres of the spheres; the radius.
-    pub(crate) position: Vec<Record>,
+    pub(crate) position: Column<Record>,
     /// Angular velocity foretold for the end of the step, of each body.
-    pub(crate) end_spin: Vec<Record>,
+    pub(crate) end_spin: Column<Record>,
     /// Number of the clump's shape for each body; `SPHERE` for a single sphere.
     pub(crate) shape: Vec<u32>,
     /// Attitude of each body: principal axes to laboratory.
@@ -145,25 +145,25 @@ pub(crate) struct Make<M> {
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Wrenches {
-    pub(crate) pair_force: Vec<Record>,
-    pub(crate) pair_torque_first: Vec<Record>,
-    pub(crate) pair_torque_second: Vec<Record>,
-    pub(crate) wall_force: Vec<Record>,
-    pub(crate) wall_torque: Vec<Record>,
+    pub(crate) pair_force: Column<Record>,
+    pub(crate) pair_torque_first: Column<Record>,
+    pub(crate) pair_torque_second: Column<Record>,
+    pub(crate) wall_force: Column<Record>,
+    pub(crate) wall_torque: Column<Record>,
     /// Torque on the wall about the centre of the sphere.
-    pub(crate) wall_torque_on_wall: Vec<Record>,
+    pub(crate) wall_torque_on_wall: Column<Record>,
     /// Near pairs in action, in the order of the list.
     pub(crate) late: Vec<Late>,
 }
 
 impl Wrenches {
     /// Those of touching pairs: forces, torques on first and on second spheres.
-    pub(crate) fn touching(&mut self) -> [&mut Vec<Record>; 3] {
+    pub(crate) fn touching(&mut self) -> [&mut Column<Record>; 3] {
         [&mut self.pair_force, &mut self.pair_torque_first, &mut self.pair_torque_second]
     }
 
     /// Those of walls: forces, torques on spheres and on walls.
-    pub(crate) fn walls(&mut self) -> [&mut Vec<Record>; 3] {
+    pub(crate) fn walls(&mut self) -> [&mut Column<Record>; 3] {
         [&mut self.wall_force, &mut self.wall_torque, &mut self.wall_torque_on_wall]
     }
 }
@@ -173,12 +173,12 @@ impl Wrenches {
 pub(crate) struct Scratch {
     pub(crate) cells: CellList,
     /// Coordinates and radii of the spheres of clumps.
-    pub(crate) sphere_columns: [Vec<f64>; 4],
+    pub(crate) sphere_columns: [Column<f64>; 4],
     pub(crate) found: Vec<Vec<Found>>,
     /// What each body may move before the list is made again, m.
     pub(crate) reserve: Vec<f64>,
     /// The same in the order of the search, with room for one more vector at the end.
-    pub(crate) sorted_reserve: Vec<f64>,
+    pub(crate) sorted_reserve: Column<f64>,
     pub(crate) old_pairs: PairList,
     pub(crate) near_order: NearOrder,
     /// Displacements since the list was made.

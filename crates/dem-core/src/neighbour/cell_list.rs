@@ -9,7 +9,7 @@
 
 use super::Period;
 use super::verlet_list::LANES;
-use crate::particles::Record;
+use crate::particles::{Column, Record};
 
 /// Largest number of cells a level may have, per body in it.
 const CELLS_PER_BODY: usize = 8;
@@ -35,9 +35,9 @@ pub(crate) struct CellList {
     /// Bodies by level and cell.
     pub(crate) order: Vec<u32>,
     /// Their positions and bounding radii in that order.
-    pub(crate) sorted: Vec<Record>,
+    pub(crate) sorted: Column<Record>,
     /// The same, coordinate by coordinate, with room for one more vector at the end.
-    pub(crate) columns: [Vec<f64>; 4],
+    pub(crate) columns: [Column<f64>; 4],
     level_of: Vec<u8>,
     key: Vec<u32>,
     /// Axes, the fastest first; a periodic one is never the fastest.
@@ -45,7 +45,7 @@ pub(crate) struct CellList {
 }
 
 /// Records field by field, with room for one more vector at the end.
-pub(crate) fn columns_of(records: &[Record], columns: &mut [Vec<f64>; 4]) {
+pub(crate) fn columns_of(records: &[Record], columns: &mut [Column<f64>; 4]) {
     let fields: [fn(&Record) -> f64; 4] = [|r| r.x, |r| r.y, |r| r.z, |r| r.w];
     for (column, field) in columns.iter_mut().zip(fields) {
         column.clear();

@@ -7,6 +7,7 @@
 
 use crate::contact_stage::CHUNK;
 use crate::neighbour::verlet_list::{LANES, PairList};
+use crate::particles::Column;
 use crate::sums::PIECE;
 use crate::threads::{Team, cut};
 
@@ -21,8 +22,8 @@ const TOLD_APART: usize = 64;
 /// Near pairs, chunk by chunk by the class of their gap.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct NearOrder {
-    first: Vec<u32>,
-    second: Vec<u32>,
+    first: Column<u32>,
+    second: Column<u32>,
     /// Which pair of its chunk.
     index: Vec<u8>,
     chunks: Vec<NearChunk>,

@@ -3,7 +3,7 @@
 use crate::neighbour::Period;
 use crate::neighbour::cell_list::CellList;
 use crate::neighbour::verlet_list::{Found, LANES};
-use crate::particles::{Bodies, Record};
+use crate::particles::{Bodies, Column, Record};
 use crate::simd::Level;
 use crate::world::Members;
 
@@ -14,7 +14,7 @@ pub(crate) struct Search<'a> {
     /// The spheres of clumps, if there are clumps.
     pub(crate) members: Option<&'a Members>,
     /// Coordinates and radii of those spheres, with room for one more vector at the end.
-    pub(crate) spheres: &'a [Vec<f64>; 4],
+    pub(crate) spheres: &'a [Column<f64>; 4],
     pub(crate) range: f64,
     /// What each body may move.
     pub(crate) reserve: &'a [f64],

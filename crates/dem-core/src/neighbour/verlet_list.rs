@@ -9,6 +9,7 @@
 //! them.
 
 use crate::contact_stage::CHUNK;
+use crate::particles::Column;
 use crate::spheres::Seats;
 
 /// Pairs in one block of the list.
@@ -38,12 +39,12 @@ pub(crate) struct PairList {
     /// Numbers that a contact remembers.
     pub(crate) slots: usize,
     /// Spheres of each pair; the places between the two runs are padding, which repeats a pair.
-    pub(crate) first: Vec<u32>,
-    pub(crate) second: Vec<u32>,
+    pub(crate) first: Column<u32>,
+    pub(crate) second: Column<u32>,
     /// 1 for a pair in contact.
-    pub(crate) active: Vec<u8>,
+    pub(crate) active: Column<u8>,
     /// What contacts remember, contact by contact.
-    pub(crate) memory: Vec<f64>,
+    pub(crate) memory: Column<f64>,
     /// Number of touching pairs: they are `0..touching`.
     pub(crate) touching: usize,
     /// Near pairs are `near_begin..first.len()`.

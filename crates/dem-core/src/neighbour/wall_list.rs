@@ -4,6 +4,7 @@
 //! entries a sphere as it can have contacts with it.
 
 use super::verlet_list::{memory_of, whole_blocks};
+use crate::particles::Column;
 
 /// No facet: the wall is analytic, or the entry is free.
 pub(crate) const NO_FACET: u32 = u32::MAX;
@@ -17,8 +18,8 @@ pub(crate) struct WallList {
     pub(crate) wall: Vec<u16>,
     /// Facet of a mesh that the entry's contact belongs to.
     pub(crate) facet: Vec<u32>,
-    pub(crate) active: Vec<u8>,
-    pub(crate) memory: Vec<f64>,
+    pub(crate) active: Column<u8>,
+    pub(crate) memory: Column<f64>,
     /// First entry of each sphere.
     pub(crate) start: Vec<u32>,
     /// Facets in reach of a mesh entry: a range of `facets` for the first entry of each mesh.

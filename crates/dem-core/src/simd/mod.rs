@@ -41,7 +41,7 @@ use crate::contact::normal::Hertz;
 use crate::contact::rolling::{AbsoluteSpin, ConstantTorque, FreeRolling, RollingArm};
 use crate::contact::tangential::{Mindlin, MindlinTotalSpring};
 use crate::neighbour::Period;
-use crate::particles::Record;
+use crate::particles::{Column, Record};
 use crate::threads::View;
 
 /// Instruction set that a world's kernels use.
@@ -228,7 +228,7 @@ pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
 pub(crate) fn in_reach(
     level: Level,
     own: &Record,
-    (columns, more): (&[Vec<f64>; 4], Option<&[f64; 8]>),
+    (columns, more): (&[Column<f64>; 4], Option<&[f64; 8]>),
     begin: usize,
     gaps: [f64; 2],
     period: Option<Period>,
