@@ -110,9 +110,15 @@ impl<T> Column<T> {
     {
         if length < self.0.len() {
             self.0.truncate(length);
-        } else {
-            self.0.resize(length, value);
+            return;
         }
+        if self.0.is_empty() && length > self.0.capacity() {
+            // Nothing has to be kept: the old memory goes before more is asked for.
+            let capacity = length.max(2 * self.0.capacity());
+            self.0 = AVec::new(LINE);
+            self.0 = AVec::with_capacity(LINE, capacity);
+        }
+        self.0.resize(length, value);
     }
 }
 
@@ -140,6 +146,9 @@ mod tests {
         records.clone_from(&copy);
         assert!(records.iter().zip(&copy).all(|(a, b)| a.w == b.w) && records.len() == 5000);
         assert_eq!(records.0.capacity(), capacity, "no memory is asked for");
+        records.clear();
+        records.resize(20_000, Record::ZERO);
+        assert!(begins_a_line(&records) && records.iter().all(|r| r.w == 0.0));
         assert!(begins_a_line(&(0..9u32).collect::<Column<_>>()));
     }
 }

@@ -8,10 +8,10 @@ use std::mem::MaybeUninit;
 use super::lanes::Lanes;
 use super::pairs::{PairKernel, Run};
 use crate::contact_stage::CHUNK;
-use crate::neighbour::search::{SET_BITS, lowest_bits};
+use crate::neighbour::search::lowest_bits;
 
-/// Most pairs of a run that act, and a block to fill the last one up.
-const MOST: usize = CHUNK + 8;
+/// Most pairs of a run that act, and a register of places more, which may be written without being counted.
+const MOST: usize = CHUNK + 16;
 
 /// Room for the pairs of a run that are to be looked at, then for those that act: nothing is written that is not read.
 pub(super) struct Room {
@@ -46,22 +46,10 @@ impl Room {
         unsafe { std::slice::from_raw_parts(of[..whole].as_ptr().cast::<u32>(), whole) }
     }
 
-    /// Put where the numbers of those pairs of the `k`-th block begin that `order` picks, from `count` on.
+    /// Put where the numbers of those pairs begin that `bits` marks; returns how many they are.
     #[inline(always)]
-    fn pack<V: Lanes>(
-        &mut self,
-        count: usize,
-        (k, first, second): (usize, &[u32; 8], &[u32; 8]),
-        order: &[u8; 8],
-    ) {
-        if let Some(to) = self.pair[count..].first_chunk_mut() {
-            V::pack_own_fours(8 * k as u32, order, to);
-        }
-        for (from, to) in [(first, &mut self.first), (second, &mut self.second)] {
-            if let Some(to) = to[count..].first_chunk_mut() {
-                V::pack_fours(from, order, to);
-            }
-        }
+    fn pack<V: Lanes>(&mut self, blocks: (&[[u32; 8]], &[[u32; 8]]), bits: &[u8]) -> usize {
+        V::pack_marked(blocks, bits, [&mut self.pair, &mut self.first, &mut self.second])
     }
 
     /// Fill up to a whole block, from `count` on, with one pair.
@@ -95,15 +83,10 @@ impl PairKernel<'_> {
         let mut acts = [0; CHUNK / 8];
         // SAFETY: by the caller.
         unsafe { self.look::<V>((first, second), active, run.pairs, (&mut acts, room)) };
-        let (mut count, mut idle) = (0, 0);
-        for (k, (first, second)) in first.iter().zip(second).enumerate().take(active.len()) {
-            let acts = acts[k];
-            room.pack::<V>(count, (k, first, second), &SET_BITS[usize::from(acts)]);
-            count += acts.count_ones() as usize;
-            if acts != u8::MAX {
-                idle = 8 * k + acts.trailing_ones() as usize;
-            }
-        }
+        let acts = &acts[..first.len().min(active.len())];
+        let count = room.pack::<V>((first, second), acts);
+        let idle = acts.iter().position(|acts| *acts != u8::MAX);
+        let idle = idle.map_or(0, |k| 8 * k + acts[k].trailing_ones() as usize);
         // As many lanes are idle as a last block lacks.
         let at = |places: &[u32]| places.get(idle).copied().unwrap_or_default();
         room.fill_up(count, [idle as u32, at(run.first), at(run.second)]);
@@ -132,16 +115,16 @@ impl PairKernel<'_> {
         (acts, room): (&mut [u8; CHUNK / 8], &mut Room),
     ) {
         let (whole, rest) = (pairs / 8, lowest_bits(pairs % 8));
-        let mut still = 0;
-        let blocks = first.iter().zip(second).zip(&*active).zip(&mut *acts);
-        for (k, (((first, second), active), acts)) in blocks.enumerate() {
+        let mut others = [0; CHUNK / 8];
+        for (k, ((active, acts), others)) in
+            active.iter().zip(&mut *acts).zip(&mut others).enumerate()
+        {
             // A byte of 0 or 1 each: their bits side by side.
             let before = u64::from_le_bytes(*active).wrapping_mul(0x0102_0408_1020_4080) >> 56;
             *acts = before as u8;
-            let others = !*acts & if k < whole { u8::MAX } else { rest };
-            room.pack::<V>(still, (k, first, second), &SET_BITS[usize::from(others)]);
-            still += others.count_ones() as usize;
+            *others = !*acts & if k < whole { u8::MAX } else { rest };
         }
+        let still = room.pack::<V>((first, second), &others[..first.len().min(active.len())]);
         // Any spheres will do for lanes that do not count.
         let any = |places: &[[u32; 8]]| places.first().map_or(0, |eight| eight[0]);
         room.fill_up(still, [0, any(first), any(second)]);

@@ -67,6 +67,16 @@ unsafe fn series(e: __m512d) -> __m512d {
     }
 }
 
+/// Put the marked ones of sixteen numbers side by side, and zeros behind them.
+///
+/// # Safety
+/// AVX-512 is there and sixteen numbers can be written.
+#[inline(always)]
+unsafe fn put_marked(of: __m512i, to: *mut i32, marked: u16) {
+    // SAFETY: by the caller.
+    unsafe { _mm512_storeu_si512(to.cast(), _mm512_maskz_compress_epi32(marked, of)) }
+}
+
 /// Quads `k` and `k + 4` of eight, side by side.
 ///
 /// # Safety
@@ -400,6 +410,45 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
     #[inline(always)]
     fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
         unsafe { pack_fours(places, order, to) }
+    }
+    #[inline(always)]
+    fn pack_marked(
+        (first, second): (&[[u32; 8]], &[[u32; 8]]),
+        bits: &[u8],
+        room: [&mut [MaybeUninit<u32>]; 3],
+    ) -> usize {
+        let blocks = bits.len();
+        assert!(first.len().min(second.len()) >= blocks, "every mark has its pair");
+        assert!(room.iter().all(|room| room.len() >= 8 * blocks + 16), "there is room for all");
+        let mut count = 0;
+        // SAFETY: sixteen places or, of a last single block, eight are read; no more are written than there is room for behind as many
+        // as were read before.
+        unsafe {
+            let mut own =
+                _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60);
+            let [pair, of_first, of_second] = room.map(|room| room.as_mut_ptr().cast::<i32>());
+            let from = [first.as_ptr().cast::<i32>(), second.as_ptr().cast::<i32>()];
+            for (k, marked) in bits.as_chunks().0.iter().enumerate() {
+                let marked = u16::from_le_bytes(*marked);
+                let first = _mm512_loadu_si512(from[0].add(16 * k).cast());
+                let second = _mm512_loadu_si512(from[1].add(16 * k).cast());
+                put_marked(own, pair.add(count), marked);
+                put_marked(_mm512_slli_epi32::<2>(first), of_first.add(count), marked);
+                put_marked(_mm512_slli_epi32::<2>(second), of_second.add(count), marked);
+                count += marked.count_ones() as usize;
+                own = _mm512_add_epi32(own, _mm512_set1_epi32(64));
+            }
+            if let [marked] = bits.as_chunks::<2>().1 {
+                let (at, marked) = (8 * (blocks - 1), u16::from(*marked));
+                let first = _mm512_maskz_loadu_epi32(0xFF, from[0].add(at));
+                let second = _mm512_maskz_loadu_epi32(0xFF, from[1].add(at));
+                put_marked(own, pair.add(count), marked);
+                put_marked(_mm512_slli_epi32::<2>(first), of_first.add(count), marked);
+                put_marked(_mm512_slli_epi32::<2>(second), of_second.add(count), marked);
+                count += marked.count_ones() as usize;
+            }
+        }
+        count
     }
     #[inline(always)]
     fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {

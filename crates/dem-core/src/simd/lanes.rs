@@ -6,6 +6,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use glam::DVec3;
 
 use crate::neighbour::Period;
+use crate::neighbour::search::SET_BITS;
 use crate::particles::Record;
 use crate::sums::Pull;
 use crate::threads::View;
@@ -198,6 +199,29 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
     /// The same of eight places that follow each other from `begin` on.
     fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
+    /// Of the pairs of blocks those that `bits` marks: where their numbers in the run begin, and those of their spheres. Behind them,
+    /// as far as a register goes, anything is written. Returns how many they are.
+    #[inline(always)]
+    fn pack_marked(
+        (first, second): (&[[u32; 8]], &[[u32; 8]]),
+        bits: &[u8],
+        [pair, of_first, of_second]: [&mut [MaybeUninit<u32>]; 3],
+    ) -> usize {
+        let mut count = 0;
+        for (k, ((first, second), bits)) in first.iter().zip(second).zip(bits).enumerate() {
+            let order = &SET_BITS[usize::from(*bits)];
+            if let Some(to) = pair[count..].first_chunk_mut() {
+                Self::pack_own_fours(8 * k as u32, order, to);
+            }
+            for (from, to) in [(first, &mut *of_first), (second, &mut *of_second)] {
+                if let Some(to) = to[count..].first_chunk_mut() {
+                    Self::pack_fours(from, order, to);
+                }
+            }
+            count += bits.count_ones() as usize;
+        }
+        count
+    }
     /// The records at eight places, one vector a field.
     ///
     /// # Safety
