@@ -56,9 +56,19 @@ pub(super) unsafe fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [Maybe
 }
 
 /// Where the sums of eight spheres begin.
+#[repr(align(8))]
 pub(super) struct SumsAt([u32; 8]);
 
 impl SumsAt {
+    /// Those of spheres `lane` and `lane + 1`, of which `lane` is even.
+    #[inline(always)]
+    pub(super) fn two(&self, lane: usize) -> [u32; 2] {
+        let both = self.0[lane..].first_chunk::<2>().expect("two of eight");
+        // SAFETY: numbers of ours at a multiple of eight.
+        let both = unsafe { std::ptr::from_ref(both).cast::<u64>().read_volatile() };
+        [both as u32, (both >> 32) as u32]
+    }
+
     /// That of one sphere. From the memory: compilers would rather take numbers out of the register, which keeps busy what
     /// exchanges fields.
     #[inline(always)]
@@ -66,6 +76,18 @@ impl SumsAt {
         // SAFETY: a number of ours.
         unsafe { (&raw const self.0[lane]).read_volatile() }
     }
+}
+
+/// Two numbers that follow each other, by one access to the memory: accesses are what contacts wait for, and the other operations it
+/// takes are free.
+///
+/// # Safety
+/// Both can be read.
+#[inline(always)]
+pub(super) unsafe fn two(at: *const u32) -> [u32; 2] {
+    // SAFETY: by the caller.
+    let both = unsafe { at.cast::<u64>().read_unaligned() };
+    [both as u32, (both >> 32) as u32]
 }
 
 /// Where the sums of spheres begin, of whose places four times is given.

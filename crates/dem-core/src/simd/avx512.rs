@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::avx::{pack_fours, pack_own_fours, put_quad, quad, sums_at};
+use super::avx::{pack_fours, pack_own_fours, put_quad, quad, sums_at, two};
 use super::group::Group;
 use super::lanes::{Lanes, Numbers, V3};
 
@@ -75,6 +75,15 @@ unsafe fn series(e: __m512d) -> __m512d {
 unsafe fn put_marked(of: __m512i, to: *mut i32, marked: u16) {
     // SAFETY: by the caller.
     unsafe { _mm512_storeu_si512(to.cast(), _mm512_maskz_compress_epi32(marked, of)) }
+}
+
+/// Places `k` and `k + 4` of eight, then `k + 1` and `k + 5`.
+#[inline(always)]
+fn sides(p: &[u32; 8], k: usize) -> [[u32; 2]; 2] {
+    assert!(k < 3, "within eight");
+    // SAFETY: they are some of the eight.
+    let [[a, b], [c, d]] = unsafe { [two(p.as_ptr().add(k)), two(p.as_ptr().add(k + 4))] };
+    [[a, c], [b, d]]
 }
 
 /// Quads `k` and `k + 4` of eight, side by side.
@@ -344,16 +353,20 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
     #[inline(always)]
     unsafe fn quads<const EACH: usize>(from: *const f64, p: &[u32; 8]) -> [Self; 4] {
         unsafe {
-            let (a, b) = (rows::<EACH>(from, p, 0), rows::<EACH>(from, p, 1));
-            columns([a, b, rows::<EACH>(from, p, 2), rows::<EACH>(from, p, 3)])
+            let ([a, b], [c, d]) = (sides(p, 0), sides(p, 2));
+            let low = [two_quads::<EACH>(from, a), two_quads::<EACH>(from, b)];
+            columns([low[0], low[1], two_quads::<EACH>(from, c), two_quads::<EACH>(from, d)])
         }
     }
     #[inline(always)]
     unsafe fn put_quads(fields: [Self; 4], to: *mut f64, p: &[u32; 8]) {
         unsafe {
-            for (k, v) in rows_of(fields).into_iter().enumerate() {
-                put_quad(to, p[k], _mm512_castpd512_pd256(v));
-                put_quad(to, p[k + 4], _mm512_extractf64x4_pd::<1>(v));
+            let rows = rows_of(fields);
+            for k in [0, 2] {
+                for (k, [low, high]) in [k, k + 1].into_iter().zip(sides(p, k)) {
+                    put_quad(to, low, _mm512_castpd512_pd256(rows[k]));
+                    put_quad(to, high, _mm512_extractf64x4_pd::<1>(rows[k]));
+                }
             }
         }
     }
@@ -372,15 +385,21 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
             let three = (&raw const THREE).read_volatile();
             let (f, ti, tj) = (vectors_of(f, three), vectors_of(ti, three), vectors_of(tj, three));
             // In the order of the list: rows 0 to 3 hold the first four contacts in their lower halves.
-            for k in 0..4 {
-                let from_second = _mm512_shuffle_f64x2::<0x44>(f[k], tj[k]);
-                add_wide(to, first.of(k), _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
-                take_wide(to, second.of(k), from_second);
+            for k in [0, 2] {
+                let (i, j) = (first.two(k), second.two(k));
+                for (k, (i, j)) in [k, k + 1].into_iter().zip(i.into_iter().zip(j)) {
+                    let from_second = _mm512_shuffle_f64x2::<0x44>(f[k], tj[k]);
+                    add_wide(to, i, _mm512_shuffle_f64x2::<0x44>(f[k], ti[k]));
+                    take_wide(to, j, from_second);
+                }
             }
-            for k in 0..4 {
-                let from_second = _mm512_shuffle_f64x2::<0xEE>(f[k], tj[k]);
-                add_wide(to, first.of(k + 4), _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
-                take_wide(to, second.of(k + 4), from_second);
+            for k in [0, 2] {
+                let (i, j) = (first.two(k + 4), second.two(k + 4));
+                for (k, (i, j)) in [k, k + 1].into_iter().zip(i.into_iter().zip(j)) {
+                    let from_second = _mm512_shuffle_f64x2::<0xEE>(f[k], tj[k]);
+                    add_wide(to, i, _mm512_shuffle_f64x2::<0xEE>(f[k], ti[k]));
+                    take_wide(to, j, from_second);
+                }
             }
         }
     }
@@ -394,13 +413,17 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
             // Contact by contact: places of all of them are more than the registers hold.
             let none = _mm512_setzero_pd();
             let mut row = [[none; 4]; 5];
-            for k in 0..4 {
-                let (i, j) = ([first[k], first[k + 4]], [second[k], second[k + 4]]);
-                row[0][k] = _mm512_sub_pd(two_quads::<1>(position, j), two_quads::<1>(position, i));
-                row[1][k] = _mm512_sub_pd(two_quads::<1>(velocity, i), two_quads::<1>(velocity, j));
-                row[2][k] = _mm512_sub_pd(two_quads::<1>(end, i), two_quads::<1>(end, j));
-                row[3][k] = two_quads::<1>(spin, i);
-                row[4][k] = two_quads::<1>(spin, j);
+            for k in [0, 2] {
+                let (i, j) = (sides(first, k), sides(second, k));
+                for (k, (i, j)) in [k, k + 1].into_iter().zip(i.into_iter().zip(j)) {
+                    row[0][k] =
+                        _mm512_sub_pd(two_quads::<1>(position, j), two_quads::<1>(position, i));
+                    row[1][k] =
+                        _mm512_sub_pd(two_quads::<1>(velocity, i), two_quads::<1>(velocity, j));
+                    row[2][k] = _mm512_sub_pd(two_quads::<1>(end, i), two_quads::<1>(end, j));
+                    row[3][k] = two_quads::<1>(spin, i);
+                    row[4][k] = two_quads::<1>(spin, j);
+                }
             }
             let of = [columns(row[0]), columns(row[1]), columns(row[2])];
             let spins = [columns(row[3]), columns(row[4])];
