@@ -75,13 +75,15 @@ pub(crate) fn all_contacts<M: ContactLaw>(
             cut(near_active, CHUNK),
             cut(near_memory, CHUNK * slots),
             cut(&mut s.near_yield[..near_chunks], 1),
+            cut(&mut s.near_told[..near_chunks], 1),
         ),
-        work: |c, (active, numbers, into): (&mut [u8], &mut [f64], &mut [ChunkYield])| {
+        work: |c, (active, numbers, into, told): NearParts<'_>| {
             let begin = near_begin + c * CHUNK;
             let chunk = NearPairs { first: &first[begin..], second: &second[begin..], active };
             let memory = MemoryRun { slots, numbers };
             let looks = order.looks(c, near, moved);
             near_pairs(context, vector, looks, chunk, memory, &mut into[0]);
+            into[0].tell(&mut told[0]);
         },
     };
     let (sphere, wall, nearest) = (&walls.sphere[..], &walls.wall[..], &s.mesh_nearest[..]);
@@ -94,16 +96,20 @@ pub(crate) fn all_contacts<M: ContactLaw>(
             cut(&mut w.wall_torque, CHUNK),
             cut(&mut w.wall_torque_on_wall, CHUNK),
             cut(&mut s.wall_yield, 1),
+            cut(&mut s.wall_told, 1),
         ),
-        work: |c, parts: PairParts<'_>| {
+        work: |c, (active, numbers, force, torque, on_wall, into, told): WallParts<'_>| {
             let begin = c * CHUNK;
-            let end = begin + parts.0.len();
+            let end = begin + active.len();
             let nearest = nearest.get(begin..end).unwrap_or_default();
             let (sphere, wall) = (&sphere[begin..end], &wall[begin..end]);
+            let parts = (active, numbers, force, torque, on_wall, &mut *into);
             wall_contacts(context, vector, slots, sphere, wall, nearest, parts);
+            into[0].tell(&mut told[0]);
         },
     };
-    team.run(&[&touching_stage, &near_stage, &wall_stage]);
+    // The largest chunks first: who is done with its own takes small ones from others.
+    team.run(&[&touching_stage, &wall_stage, &near_stage]);
     sort_late(s, context.spheres.position.len());
 }
 
@@ -116,6 +122,20 @@ pub(crate) type PairParts<'a> = (
     &'a mut [Record],
     &'a mut [ChunkYield],
 );
+
+/// The same, and whether it yields anything.
+type WallParts<'a> = (
+    &'a mut [u8],
+    &'a mut [f64],
+    &'a mut [Record],
+    &'a mut [Record],
+    &'a mut [Record],
+    &'a mut [ChunkYield],
+    &'a mut [bool],
+);
+
+/// One chunk of near pairs: marks, memory, what it yields, whether that is anything.
+type NearParts<'a> = (&'a mut [u8], &'a mut [f64], &'a mut [ChunkYield], &'a mut [bool]);
 
 /// One chunk of touching pairs, in whole blocks.
 pub(crate) struct Touching<'a> {
@@ -309,12 +329,19 @@ pub(crate) fn wall_contacts<M: ContactLaw>(
 fn sort_late(s: &mut Scratch, spheres: usize) {
     s.wrenches.late.clear();
     s.late_ends.clear(spheres);
-    for chunk in &s.near_yield {
+    for (chunk, _) in s.near_yield.iter().zip(&s.near_told).filter(|(_, told)| **told) {
         s.late_ends.extend(&mut s.wrenches.late, &chunk.late);
     }
 }
 
 impl Scratch {
+    /// Yields of near pairs and walls that hold near pairs in action or an overlap that is too deep.
+    pub(crate) fn told(&self) -> impl Iterator<Item = &ChunkYield> {
+        let near = self.near_yield.iter().zip(&self.near_told);
+        let walls = self.wall_yield.iter().zip(&self.wall_told);
+        near.chain(walls).filter(|(_, told)| **told).map(|(told, _)| told)
+    }
+
     /// Have room for what the chunks of all contacts yield.
     pub(crate) fn room_for_yields(&mut self, pairs: &PairList, walls: &WallList) {
         self.pair_yield.resize_with(pairs.touching.div_ceil(CHUNK), Default::default);
@@ -324,6 +351,10 @@ impl Scratch {
             self.near_yield.resize_with(near_chunks + near_chunks / 4 + 1, ChunkYield::with_room);
         }
         self.near_yield[near_chunks..].iter_mut().for_each(ChunkYield::reset);
-        self.wall_yield.resize_with(walls.len().div_ceil(CHUNK), Default::default);
+        self.near_told.resize(self.near_yield.len(), false);
+        self.near_told[near_chunks..].fill(false);
+        let wall_chunks = walls.len().div_ceil(CHUNK);
+        self.wall_yield.resize_with(wall_chunks, Default::default);
+        self.wall_told.resize(wall_chunks, false);
     }
 }

@@ -84,6 +84,16 @@ impl ChunkYield {
         self.late.clear();
     }
 
+    /// Say whether there is anything that a step without a ledger asks for: written only where that has changed, so that who looks finds
+    /// it in its own cache as a rule.
+    #[inline(always)]
+    pub(crate) fn tell(&self, told: &mut bool) {
+        let tells = self.deep.is_some() || !self.late.is_empty();
+        if *told != tells {
+            *told = tells;
+        }
+    }
+
     pub(crate) fn note_overlap(&mut self, fraction: f64, sphere: u32, partner: u32, wall: bool) {
         if self.deep.is_none_or(|d| fraction > d.fraction) {
             self.deep = Some(DeepOverlap { sphere, partner, with_wall: wall, fraction });

@@ -18,7 +18,7 @@ use crate::integrate::Integrator;
 use crate::neighbour::Period;
 use crate::neighbour::cell_list::columns_of;
 use crate::neighbour::search::Search;
-use crate::neighbour::verlet_list::LANES;
+use crate::neighbour::verlet_list::{Found, LANES};
 use crate::particles::Record;
 use crate::simd::widened;
 use crate::step::kernel_of;
@@ -43,6 +43,14 @@ const LEAST_STRIDE: f64 = 1e-3;
 
 /// Bodies whose partners are searched in one chunk of work.
 const SEARCH: usize = 512;
+
+/// Bodies in one chunk of lighter work.
+pub(crate) const PART: usize = 1024;
+
+/// Bodies of chunk `c` of so many.
+pub(crate) fn part(c: usize, bodies: usize) -> std::ops::Range<usize> {
+    c * PART..((c + 1) * PART).min(bodies)
+}
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Make the list anew.
@@ -78,13 +86,21 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         let new_place = sorted.then_some(&s.new_sphere_place[..]);
         let seats = state.members.seats();
-        state.pairs.fill(spheres, slots, &s.found, &s.old_pairs, new_place, seats);
+        let old = (&s.old_pairs, new_place);
+        state.pairs.fill(spheres, slots, &s.found, old, &mut s.came_from, seats, &self.team);
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
-        state.list.reference.clone_from(&state.bodies.position);
-        for (reference, reserve) in state.list.reference.iter_mut().zip(&s.reserve) {
-            reference.w = reserve * reserve;
-        }
+        let (position, reserve) = (&state.bodies.position, &s.reserve);
+        state.list.reference.make_room(position.len(), Record::ZERO);
+        let parts = cut(&mut state.list.reference, PART);
+        self.team.each(position.len().div_ceil(PART), parts, |c, reference| {
+            let own = part(c, position.len());
+            for ((to, x), reserve) in
+                reference.iter_mut().zip(&position[own.clone()]).zip(&reserve[own])
+            {
+                *to = Record { w: reserve * reserve, ..*x };
+            }
+        });
         state.list.attitude.clone_from(&state.members.attitude);
         state.list.time = state.step as f64 * self.make.dt;
         state.list.builds += 1;
@@ -111,20 +127,26 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             None => Turn::NONE,
         };
         let (b, m, s) = (&self.state.bodies, &self.state.members, &mut self.scratch);
-        s.reserve.clear();
         if self.make.shapes.is_empty() && b.len() > FAR {
+            s.reserve.clear();
             s.reserve.resize(b.len(), half);
             return;
         }
-        let angular = turn.angular_velocity(dt);
-        s.reserve.extend((0..b.len()).map(|k| {
+        let (angular, shapes) = (turn.angular_velocity(dt), &self.make.shapes);
+        let stride = |k: usize| {
             let x = b.position[k].vector();
             let carried = turn.image(x) - x;
-            let shape = m.shape.get(k).and_then(|shape| self.make.shapes.get(*shape as usize));
+            let shape = m.shape.get(k).and_then(|shape| shapes.get(*shape as usize));
             let reach = shape.map_or(0.0, |s| s.reach);
             let spin = b.mean_spin[k].vector() - angular;
             (b.mean_velocity[k].vector() * dt - carried).length() + reach * spin.length() * dt
-        }));
+        };
+        s.reserve.resize(b.len(), 0.0);
+        self.team.each(b.len().div_ceil(PART), cut(&mut s.reserve, PART), |c, strides| {
+            for (to, k) in strides.iter_mut().zip(part(c, b.len())) {
+                *to = stride(k);
+            }
+        });
         let most = s.reserve.iter().fold(1e-3 * half, |most, stride| most.max(*stride));
         for reserve in &mut s.reserve {
             *reserve = (LEAST_RESERVE * half + half / most * *reserve).min(half);
@@ -152,7 +174,16 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// Check that every body is somewhere in the domain; wrap it into the period.
     fn wrap_and_check(&mut self) -> Result<(), Error> {
-        let [min, max] = self.make.domain;
+        let ([min, max], period) = (self.make.domain, self.make.period);
+        let stays = |body: &Record| {
+            let x = body.vector();
+            let here = period.is_none_or(|p| wrapped(&p, x[p.axis]) == x[p.axis]);
+            here && x.is_finite() && x.cmpge(min).all() && x.cmple(max).all()
+        };
+        let (position, bodies) = (&self.state.bodies.position, self.len());
+        if self.team.all(bodies.div_ceil(PART), |c| position[part(c, bodies)].iter().all(stays)) {
+            return Ok(());
+        }
         let gravity = self.make.gravity.at(self.time());
         for k in 0..self.len() {
             let body = &mut self.state.bodies.position[k];
@@ -185,13 +216,19 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             self.state.list.turning = false;
             return;
         }
+        let (period, position, reference) =
+            (self.make.period, &self.state.bodies.position, &list.reference);
         let largest = |turn: &Turn| {
             let moved = |(x, r): (&Record, &Record)| {
-                let d = Period::shortest(self.make.period, x.vector() - turn.image(r.vector()));
+                let d = Period::shortest(period, x.vector() - turn.image(r.vector()));
                 d.length_squared()
             };
-            let bodies = self.state.bodies.position.iter().zip(&list.reference).map(moved);
-            bodies.fold(0.0, f64::max).sqrt().max(self.wall_shift(&self.scratch.placed, turn))
+            let farthest = self.team.largest(position.len().div_ceil(PART), |c| {
+                let own = part(c, position.len());
+                let bodies = position[own.clone()].iter().zip(&reference[own]).map(moved);
+                bodies.fold(0.0, f64::max)
+            });
+            farthest.sqrt().max(self.wall_shift(&self.scratch.placed, turn))
         };
         let with_wall = self.turn_of_wall(self.time());
         self.state.list.turning = largest(&with_wall) < largest(&Turn::NONE);
@@ -286,10 +323,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let range = self.make.skin + self.make.range;
         let clumps = self.has_clumps();
         let s = &mut self.scratch;
-        s.cells.sort(&self.state.bodies.position, range, self.make.period);
+        s.cells.sort(&self.state.bodies.position, range, self.make.period, &self.team);
         s.order.clone_from(&s.cells.order);
         // The search sorts anew afterwards, so its positions lend their memory.
-        self.state.bodies.permute(&s.order, &mut s.cells.sorted);
+        self.state.bodies.permute(&s.order, &mut s.cells.sorted, &self.team);
         // The reference goes with the bodies: it is read once more before it is renewed.
         let had_members = !self.state.members.body.is_empty();
         if !clumps {
@@ -346,10 +383,19 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let clumps = self.has_clumps();
         let margin = if clumps { TOUCHING_MARGIN_OF_CLUMPS } else { TOUCHING_MARGIN };
         let s = &mut self.scratch;
-        s.cells.sort(&self.state.bodies.position, range, period);
-        s.sorted_reserve.clear();
-        s.sorted_reserve.extend(s.cells.order.iter().map(|&k| s.reserve[k as usize]));
-        s.sorted_reserve.resize(self.state.bodies.len() + LANES, 0.0);
+        let bodies = self.state.bodies.len();
+        s.cells.sort(&self.state.bodies.position, range, period, &self.team);
+        s.sorted_reserve.make_room(bodies + LANES, 0.0);
+        s.sorted_reserve[bodies..].fill(0.0);
+        s.sorted_places.clone_from(&s.cells.order);
+        s.sorted_places.resize(bodies + LANES, 0);
+        let (order, reserve) = (&s.cells.order, &s.reserve);
+        let parts = cut(&mut s.sorted_reserve[..bodies], PART);
+        self.team.each(bodies.div_ceil(PART), parts, |c, sorted| {
+            for (to, &from) in sorted.iter_mut().zip(&order[part(c, bodies)]) {
+                *to = reserve[from as usize];
+            }
+        });
         if clumps {
             columns_of(&self.state.members.position, &mut s.sphere_columns);
         }
@@ -359,6 +405,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             members: clumps.then_some(&self.state.members),
             spheres: &s.sphere_columns,
             range,
+            sorted_places: &s.sorted_places,
             reserve: &s.reserve,
             sorted_reserve: &s.sorted_reserve,
             reach: self.make.range,
@@ -366,11 +413,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             period,
             level,
         };
-        let bodies = self.state.bodies.len();
         let count = bodies.div_ceil(SEARCH);
-        s.found.resize_with(count, Vec::new);
+        s.found.resize_with(count, Found::default);
         self.team.each(count, cut(&mut s.found, 1), |c, found| {
-            found[0].clear();
+            found[0].begin(SEARCH);
             let places = c * SEARCH..((c + 1) * SEARCH).min(bodies);
             widened(
                 level,
@@ -378,60 +424,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 || search.pairs_of(places, &mut found[0]),
             );
         });
-    }
-
-    /// List the spheres near walls.
-    fn list_walls(&mut self, sorted: bool) {
-        let range = self.make.skin + self.make.range;
-        let slots = self.make.slots;
-        let mut list = std::mem::take(&mut self.state.wall_list);
-        list.clear(slots);
-        let mut in_reach = std::mem::take(&mut self.scratch.walls_in_reach);
-        in_reach.clear();
-        in_reach.extend(0..self.scratch.placed.len());
-        let (position, members) = (self.sphere_positions(), &self.state.members);
-        for (k, p) in position.iter().enumerate() {
-            list.start.push(list.len() as u32);
-            // Walls out of reach of a clump as a whole are out of reach of its spheres.
-            if let Some(&body) = members.body.get(k)
-                && members.first[body as usize] as usize == k
-            {
-                let (whole, walls) =
-                    (&self.state.bodies.position[body as usize], &self.scratch.placed);
-                let near = |w: &usize| !walls[*w].misses(whole.vector(), whole.w + range);
-                in_reach.clear();
-                in_reach.extend((0..walls.len()).filter(near));
-            }
-            for &w in &in_reach {
-                let wall = &self.scratch.placed[w];
-                if wall.misses(p.vector(), p.w + range) {
-                    continue;
-                }
-                if let Some(nearest) = wall.nearest(p.vector()) {
-                    // A centre further behind the surface than its diameter is on the other side.
-                    if nearest.distance < p.w + range && nearest.distance > -(p.w + range) {
-                        list.push(k as u32, w as u16, [0, 0]);
-                    }
-                }
-                #[cfg(feature = "mesh")]
-                if let crate::geometry::Shape::Mesh(mesh) = &self.make.walls[w].shape {
-                    let local = wall.pose.inverse_point(p.vector());
-                    let begin = list.facets.len() as u32;
-                    mesh.facets_near(local, p.w + range, &mut list.facets);
-                    let end = list.facets.len() as u32;
-                    if end > begin {
-                        for _ in 0..crate::geometry::mesh::CONTACTS_PER_SPHERE {
-                            list.push(k as u32, w as u16, [begin, end]);
-                        }
-                    }
-                }
-            }
-        }
-        list.start.push(list.len() as u32);
-        let old_place = sorted.then_some(&self.scratch.old_sphere_place[..]);
-        list.take_over(&self.scratch.old_walls, old_place);
-        self.scratch.walls_in_reach = in_reach;
-        self.state.wall_list = list;
     }
 }
 

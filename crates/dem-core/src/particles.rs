@@ -7,6 +7,7 @@ use glam::DVec3;
 pub(crate) use column::Column;
 
 use crate::material::MaterialId;
+use crate::threads::{Team, cut};
 
 /// Name of a particle (a sphere or a clump): its number in the order of adding, for ever.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -164,6 +165,9 @@ pub(crate) struct Bodies {
     pub(crate) place: Vec<u32>,
 }
 
+/// Records that are put in order in one chunk of work.
+const GATHERED: usize = 1024;
+
 impl Bodies {
     pub(crate) fn len(&self) -> usize {
         self.id.len()
@@ -200,7 +204,7 @@ impl Bodies {
     }
 
     /// Put body `order[k]` at place `k`, for all `k`.
-    pub(crate) fn permute(&mut self, order: &[u32], scratch: &mut Column<Record>) {
+    pub(crate) fn permute(&mut self, order: &[u32], scratch: &mut Column<Record>, team: &Team) {
         for v in [
             &mut self.position,
             &mut self.velocity,
@@ -216,8 +220,12 @@ impl Bodies {
             if v.is_empty() {
                 continue;
             }
-            scratch.clear();
-            scratch.extend(order.iter().map(|&k| v[k as usize]));
+            scratch.make_room(order.len(), Record::ZERO);
+            team.each(order.len().div_ceil(GATHERED), cut(scratch, GATHERED), |c, to| {
+                for (to, &from) in to.iter_mut().zip(&order[c * GATHERED..]) {
+                    *to = v[from as usize];
+                }
+            });
             std::mem::swap(v, scratch);
         }
         // `place` still holds where each name was: use it as scratch for the names.

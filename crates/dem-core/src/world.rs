@@ -16,8 +16,8 @@ use crate::material::{Material, MaterialId};
 use crate::neighbour::Period;
 use crate::neighbour::cell_list::CellList;
 use crate::neighbour::near_order::{Moved, NearOrder};
-use crate::neighbour::verlet_list::{Found, PairList};
-use crate::neighbour::wall_list::WallList;
+use crate::neighbour::verlet_list::{CameFrom, Found, PairList};
+use crate::neighbour::wall_list::{NearWalls, WallList};
 use crate::particles::{Bodies, Column, ParticleId, Record};
 use crate::rigid::Clump;
 use crate::spheres::{ClumpView, Seats, SphereView};
@@ -174,11 +174,15 @@ pub(crate) struct Scratch {
     pub(crate) cells: CellList,
     /// Coordinates and radii of the spheres of clumps.
     pub(crate) sphere_columns: [Column<f64>; 4],
-    pub(crate) found: Vec<Vec<Found>>,
+    pub(crate) found: Vec<Found>,
+    /// Which pair of the old list each pair was.
+    pub(crate) came_from: CameFrom,
     /// What each body may move before the list is made again, m.
     pub(crate) reserve: Vec<f64>,
     /// The same in the order of the search, with room for one more vector at the end.
     pub(crate) sorted_reserve: Column<f64>,
+    /// Places of bodies in memory, likewise.
+    pub(crate) sorted_places: Vec<u32>,
     pub(crate) old_pairs: PairList,
     pub(crate) near_order: NearOrder,
     /// Displacements since the list was made.
@@ -186,8 +190,8 @@ pub(crate) struct Scratch {
     pub(crate) old_walls: WallList,
     /// Whether the spheres of clumps are where their bodies have gone for the next step.
     pub(crate) members_placed: bool,
-    /// Walls in reach of a clump.
-    pub(crate) walls_in_reach: Vec<usize>,
+    /// Walls near spheres, in chunks of bodies.
+    pub(crate) near_walls: Vec<NearWalls>,
     pub(crate) order: Vec<u32>,
     pub(crate) old_sphere_place: Vec<u32>,
     /// Where each sphere of the old list is now.
@@ -201,6 +205,9 @@ pub(crate) struct Scratch {
     pub(crate) pair_yield: Vec<ChunkYield>,
     pub(crate) near_yield: Vec<ChunkYield>,
     pub(crate) wall_yield: Vec<ChunkYield>,
+    /// Which of those of near pairs and of walls hold near pairs in action or an overlap that is too deep.
+    pub(crate) near_told: Vec<bool>,
+    pub(crate) wall_told: Vec<bool>,
     pub(crate) body_yield: Vec<BodyYield>,
     /// Most places from the owner of the first near pair of a chunk to any sphere in it, in a far bed.
     pub(crate) near_window: usize,
@@ -245,6 +252,8 @@ pub(crate) struct StripYield {
     pub(crate) deep: bool,
     /// Pieces that have moved on: those before it, unless they are deferred.
     pub(crate) drifted: usize,
+    /// Whether it has finished those deferred ones that the next strip handed to it.
+    pub(crate) took_over: bool,
     /// What it has taken, s.
     pub(crate) seconds: f64,
 }

@@ -10,6 +10,7 @@
 use super::Period;
 use super::verlet_list::LANES;
 use crate::particles::{Column, Record};
+use crate::threads::{Team, cut};
 
 /// Largest number of cells a level may have, per body in it.
 const CELLS_PER_BODY: usize = 8;
@@ -40,8 +41,45 @@ pub(crate) struct CellList {
     pub(crate) columns: [Column<f64>; 4],
     level_of: Vec<u8>,
     key: Vec<u32>,
+    /// Of the bodies of each chunk of work.
+    bounds: Vec<Bounds>,
     /// Axes, the fastest first; a periodic one is never the fastest.
     axes: [usize; 3],
+}
+
+/// Bodies that are sorted in one chunk of work.
+const SORT: usize = 1024;
+
+/// Least and largest of each field of some records.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    low: [f64; 4],
+    high: [f64; 4],
+}
+
+impl Bounds {
+    const NONE: Self = Self { low: [f64::INFINITY; 4], high: [f64::NEG_INFINITY; 4] };
+
+    #[inline(always)]
+    fn of(p: &Record) -> Self {
+        let fields = [p.x, p.y, p.z, p.w];
+        Self { low: fields, high: fields }
+    }
+
+    /// Those of both. Nobody is where no number is: that was asked before.
+    #[inline(always)]
+    fn with(mut self, other: &Self) -> Self {
+        for k in 0..4 {
+            self.low[k] = if other.low[k] < self.low[k] { other.low[k] } else { self.low[k] };
+            self.high[k] = if other.high[k] > self.high[k] { other.high[k] } else { self.high[k] };
+        }
+        self
+    }
+
+    /// Least and largest coordinates.
+    fn corners(&self) -> [[f64; 3]; 2] {
+        [self.low, self.high].map(|[x, y, z, _]| [x, y, z])
+    }
 }
 
 /// Records field by field, with room for one more vector at the end.
@@ -56,64 +94,85 @@ pub(crate) fn columns_of(records: &[Record], columns: &mut [Column<f64>; 4]) {
 
 impl CellList {
     /// Sort the bodies at `position` (bounding radius in `w`) for a search up to gaps of `range`.
-    pub(crate) fn sort(&mut self, position: &[Record], range: f64, period: Option<Period>) {
+    pub(crate) fn sort(
+        &mut self,
+        position: &[Record],
+        range: f64,
+        period: Option<Period>,
+        team: &Team,
+    ) {
         let n = position.len();
+        let chunks = n.div_ceil(SORT);
         self.axes = match period.map(|p| p.axis) {
             Some(0) => [1, 2, 0],
             Some(1) => [0, 2, 1],
             _ => [0, 1, 2],
         };
         self.order.resize(n, 0);
-        self.sorted.resize(n, Record::default());
-        self.level_of.resize(n, 0);
         self.key.resize(n, 0);
-        let (mut largest, mut smallest) = (0.0f64, f64::INFINITY);
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for p in position {
-            largest = largest.max(p.w);
-            smallest = smallest.min(p.w);
-            for (k, x) in [p.x, p.y, p.z].into_iter().enumerate() {
-                low[k] = low[k].min(x);
-                high[k] = high[k].max(x);
-            }
-        }
+        self.bounds.resize(chunks, Bounds::NONE);
+        team.each(chunks, cut(&mut self.bounds, 1), |c, bounds| {
+            let own = &position[c * SORT..((c + 1) * SORT).min(n)];
+            bounds[0] = own.iter().fold(Bounds::NONE, |all, p| all.with(&Bounds::of(p)));
+        });
+        let all = self.bounds.iter().fold(Bounds::NONE, |all, part| all.with(part));
+        let ([mut low, mut high], largest) = (all.corners(), all.high[3].max(0.0));
         if let Some(p) = period {
             (low[p.axis], high[p.axis]) = (p.min, p.min + p.length);
         }
-        let levels = if n == 0 { 0 } else { 1 + (largest / smallest).log2() as usize };
+        let levels = if n == 0 { 0 } else { 1 + (largest / all.low[3]).log2() as usize };
         while self.levels.len() < levels {
             self.levels.push(Level::default());
         }
         self.used_levels = levels;
-        for (k, p) in position.iter().enumerate() {
-            self.level_of[k] = if levels > 1 { (largest / p.w).log2() as u8 } else { 0 };
+        // Nobody asks for the level where there is but one.
+        self.level_of.resize(n, 0);
+        if levels > 1 {
+            for (level, p) in self.level_of.iter_mut().zip(position) {
+                *level = (largest / p.w).log2() as u8;
+            }
         }
         let mut begin = 0;
         for l in 0..levels {
-            begin = self.sort_level(l, begin, position, range, low, high, period);
+            let alone = (levels == 1).then_some(largest);
+            begin = self.sort_level(l, begin, position, range, (low, high, alone), period, team);
         }
-        columns_of(&self.sorted, &mut self.columns);
+        self.sorted.make_room(n, Record::default());
+        for column in &mut self.columns {
+            column.make_room(n + LANES, 0.0);
+            column[n..].fill(0.0);
+        }
+        let order = &self.order;
+        let columns = self.columns.each_mut().map(|column| cut(&mut column[..n], SORT));
+        team.each(chunks, (cut(&mut self.sorted, SORT), columns), |c, (sorted, [x, y, z, w])| {
+            let own = &order[c * SORT..];
+            for (k, (to, from)) in sorted.iter_mut().zip(own).enumerate() {
+                *to = position[*from as usize];
+                (x[k], y[k], z[k], w[k]) = (to.x, to.y, to.z, to.w);
+            }
+        });
     }
 
+    /// Sort the bodies of a level; `alone` is the largest radius if it is the only one.
     fn sort_level(
         &mut self,
         l: usize,
         begin: usize,
         position: &[Record],
         range: f64,
-        low: [f64; 3],
-        high: [f64; 3],
+        (low, high, alone): ([f64; 3], [f64; 3], Option<f64>),
         period: Option<Period>,
+        team: &Team,
     ) -> usize {
-        let level = &mut self.levels[l];
-        let mut count = 0usize;
-        level.largest_radius = 0.0;
-        for (p, &of) in position.iter().zip(&self.level_of) {
-            if usize::from(of) == l {
-                count += 1;
-                level.largest_radius = level.largest_radius.max(p.w);
-            }
+        let (level, level_of, key) = (&mut self.levels[l], &self.level_of, &mut self.key);
+        let belongs = |k: usize| alone.is_some() || usize::from(level_of[k]) == l;
+        let (mut count, mut largest) = (position.len(), alone.unwrap_or_default());
+        if alone.is_none() {
+            let own = || position.iter().enumerate().filter(|(k, _)| belongs(*k)).map(|(_, p)| p);
+            count = own().count();
+            largest = own().fold(0.0, |most, p| most.max(p.w));
         }
+        level.largest_radius = largest;
         let mut size = 2.0 * level.largest_radius + range;
         loop {
             for k in 0..3 {
@@ -132,35 +191,39 @@ impl CellList {
         }
         level.origin = low;
         let cells: usize = level.cells.iter().product();
+        let axes = self.axes;
+        {
+            let level = &*level;
+            team.each(position.len().div_ceil(SORT), cut(key, SORT), |c, keys| {
+                let places = c * SORT..;
+                for ((key, p), k) in keys.iter_mut().zip(&position[places.start..]).zip(places) {
+                    if belongs(k) {
+                        *key = level.index(axes, level.cell([p.x, p.y, p.z])) as u32;
+                    }
+                }
+            });
+        }
         level.start.clear();
         // The number of cells changes with the bodies' extent: have room for the most.
-        level.start.reserve(CELLS_PER_BODY * count.max(8) + 1);
-        level.start.resize(cells + 1, 0);
-        for (k, p) in position.iter().enumerate() {
-            if usize::from(self.level_of[k]) == l {
-                let c = level.cell([p.x, p.y, p.z]);
-                let key = level.index(self.axes, c);
-                self.key[k] = key as u32;
-                level.start[key + 1] += 1;
-            }
+        level.start.reserve(CELLS_PER_BODY * count.max(8) + 2);
+        // Counted two cells on: while bodies are put in their places, the entry of the next cell goes from this one's beginning
+        // to its end.
+        level.start.resize(cells + 2, 0);
+        let own = || key.iter().enumerate().filter(|(k, _)| belongs(*k));
+        for (_, key) in own() {
+            level.start[*key as usize + 2] += 1;
         }
-        level.start[0] = begin as u32;
-        for c in 0..cells {
-            level.start[c + 1] += level.start[c];
+        let mut sum = begin as u32;
+        for start in &mut level.start {
+            sum += *start;
+            *start = sum;
         }
-        for (k, p) in position.iter().enumerate() {
-            if usize::from(self.level_of[k]) == l {
-                let place = &mut level.start[self.key[k] as usize];
-                self.order[*place as usize] = k as u32;
-                self.sorted[*place as usize] = *p;
-                *place += 1;
-            }
+        for (k, key) in own() {
+            let place = &mut level.start[*key as usize + 1];
+            self.order[*place as usize] = k as u32;
+            *place += 1;
         }
-        // Each entry now holds its cell's end, which is the next one's beginning.
-        for c in (0..cells).rev() {
-            level.start[c + 1] = level.start[c];
-        }
-        level.start[0] = begin as u32;
+        level.start.truncate(cells + 1);
         level.begin = begin;
         level.end = begin + count;
         level.end
@@ -305,7 +368,8 @@ mod tests {
         range: f64,
         period: Option<Period>,
     ) -> Vec<(u32, u32)> {
-        cells.sort(p, range, period);
+        let team = Team::new(2);
+        team.enter(|| cells.sort(p, range, period, &team));
         let mut out = Vec::new();
         cells.for_each_candidate(
             0..p.len(),
@@ -348,7 +412,7 @@ mod tests {
                 Some(Period { axis: 0, min: 0.0, length: 10.0 }),
                 Some(Period { axis: 1, min: 0.0, length: 8.0 }),
             ] {
-                let p = cloud(700, ratio);
+                let p = cloud(1500, ratio);
                 let mut cells = CellList::default();
                 assert_eq!(pairs(&mut cells, &p, 0.1, period), brute(&p, 0.1, period));
             }

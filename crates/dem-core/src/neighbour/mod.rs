@@ -8,6 +8,7 @@ pub(crate) mod near_order;
 pub(crate) mod search;
 pub(crate) mod verlet_list;
 pub(crate) mod wall_list;
+mod wall_search;
 
 use glam::DVec3;
 

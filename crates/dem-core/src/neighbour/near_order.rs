@@ -218,7 +218,6 @@ impl NearChunk {
 mod tests {
     use super::*;
     use crate::neighbour::verlet_list::Found;
-    use crate::spheres::Seats;
 
     #[test]
     fn every_pair_that_may_have_closed_is_looked_at_and_most_others_are_not() {
@@ -229,13 +228,11 @@ mod tests {
             (state >> 11) as f64 / (1u64 << 53) as f64
         };
         // Two kinds of neighbours; the gap of each pair follows from its names.
-        let pair = |first: u32, step: u32| Found { first, second: first + step, touching: false };
-        let near = (0..bodies - 40).flat_map(|k| [pair(k, 1), pair(k, 40)]).collect::<Vec<_>>();
+        let near = (0..bodies - 40).flat_map(|k| [[k, k + 1], [k, k + 40]]).collect();
         let gap_of = |a: u32, b: u32| {
             range * (f64::from(a.wrapping_mul(2654435761) ^ b.wrapping_mul(40503)) / 4294967296.0)
         };
-        let mut pairs = PairList::default();
-        pairs.fill(bodies as usize, 1, &[near], &PairList::default(), None, Seats::OWN);
+        let pairs = PairList::of(bodies as usize, Found { touching: Vec::new(), near });
         let count = pairs.near().len();
         assert_ne!(count % LANES, 0, "the last block is to be padded");
         let mut order = NearOrder::default();

@@ -16,6 +16,8 @@ pub(crate) struct Search<'a> {
     /// Coordinates and radii of those spheres, with room for one more vector at the end.
     pub(crate) spheres: &'a [Column<f64>; 4],
     pub(crate) range: f64,
+    /// Places in memory of the bodies in the order of the cells, with room for one more vector at the end.
+    pub(crate) sorted_places: &'a [u32],
     /// What each body may move.
     pub(crate) reserve: &'a [f64],
     /// The same in the order of the cells, with room for one more vector at the end.
@@ -29,9 +31,6 @@ pub(crate) struct Search<'a> {
 
 /// Candidates of a body that are kept before they are looked at.
 const CANDIDATES: usize = 512;
-
-/// Marks a candidate that counts as touching.
-const TOUCHES: u32 = 1 << 31;
 
 /// Places of the set bits among eight, the lowest first; the rest is of no account.
 pub(crate) const SET_BITS: [[u8; LANES]; 256] = {
@@ -56,26 +55,19 @@ pub(crate) fn lowest_bits(count: usize) -> u8 {
     if count >= LANES { u8::MAX } else { (1u8 << count) - 1 }
 }
 
-/// Bodies in reach of one: sorted places, with a mark on those that touch.
+/// Marks a candidate that counts as touching.
+const TOUCHES: u32 = 1 << 31;
+
+/// Bodies in reach of one, with a mark on those that touch.
 struct Candidates {
     places: [u32; CANDIDATES],
     count: usize,
+    /// Their pairs, those that touch and those that are near, before they are told.
+    pairs: [[[u32; 2]; CANDIDATES]; 2],
 }
 
 impl Candidates {
-    /// Keep those of the eight places from `begin` on whose bits are set in `near`: all eight are written
-    /// and the next ones overwrite what does not count, so that nothing branches on the bits.
-    #[inline(always)]
-    fn push(&mut self, begin: usize, near: u8, touching: u8) {
-        let lanes = &SET_BITS[usize::from(near)];
-        if let Some(to) = self.places[self.count..].first_chunk_mut::<LANES>() {
-            for (to, lane) in to.iter_mut().zip(lanes) {
-                let lane = u32::from(*lane);
-                *to = (begin as u32 + lane) | (u32::from(touching) >> lane) << 31;
-            }
-            self.count += near.count_ones() as usize;
-        }
-    }
+    const NONE: Self = Self { places: [0; CANDIDATES], count: 0, pairs: [[[0; 2]; CANDIDATES]; 2] };
 
     fn is_full(&self) -> bool {
         self.count + LANES > CANDIDATES
@@ -85,11 +77,10 @@ impl Candidates {
 impl Search<'_> {
     /// Pairs of the bodies at these places with those behind them.
     #[inline(always)]
-    pub(crate) fn pairs_of(&self, places: std::ops::Range<usize>, found: &mut Vec<Found>) {
+    pub(crate) fn pairs_of(&self, places: std::ops::Range<usize>, found: &mut Found) {
         let cells = self.cells;
         let most = 0.5 * (self.range - self.reach);
-        let (mut own, mut candidates) =
-            (places.start, Candidates { places: [0; CANDIDATES], count: 0 });
+        let (mut own, mut candidates) = (places.start, Candidates::NONE);
         cells.for_each_candidate(
             places,
             #[inline(always)]
@@ -105,12 +96,17 @@ impl Search<'_> {
                 let gaps = [self.sorted_reserve[k] + self.reach, self.margin];
                 while begin < row.end {
                     let left = row.end - begin;
-                    let valid = lowest_bits(left);
                     let (columns, period) = (&cells.columns, self.period);
                     let more = self.sorted_reserve[begin..].first_chunk();
                     let [near, touching] =
                         crate::simd::in_reach(self.level, pi, (columns, more), begin, gaps, period);
-                    candidates.push(begin, near & valid, touching);
+                    // All eight are written and the next ones overwrite what does not count, so that nothing branches on
+                    // the bits.
+                    let to = candidates.places[candidates.count..].first_chunk_mut();
+                    if let (Some(to), Some(of)) = (to, self.sorted_places[begin..].first_chunk()) {
+                        let marks = [near & lowest_bits(left), touching];
+                        candidates.count += crate::simd::keep_marked(self.level, of, marks, to);
+                    }
                     if candidates.is_full() {
                         self.keep_all(k, &mut candidates, found);
                     }
@@ -123,26 +119,33 @@ impl Search<'_> {
 
     /// Keep the pairs of the body at sorted place `k` with its candidates.
     #[inline(always)]
-    fn keep_all(&self, k: usize, candidates: &mut Candidates, found: &mut Vec<Found>) {
-        let order = &self.cells.order;
-        let (own, ids) = (order.get(k).copied().unwrap_or_default(), &self.bodies.id);
-        let marked = &candidates.places[..candidates.count];
-        candidates.count = 0;
+    fn keep_all(&self, k: usize, candidates: &mut Candidates, found: &mut Found) {
+        let (own, ids) = (self.sorted_places[k], &self.bodies.id);
+        let Candidates { places, count, pairs } = candidates;
+        let marked = &places[..std::mem::take(count)];
         if let Some(m) = self.members {
             for place in marked {
-                self.spheres_of(m, own, order[(place & !TOUCHES) as usize], found);
+                self.spheres_of(m, own, place & !TOUCHES, found);
             }
             return;
         }
-        found.extend(marked.iter().map(|place| {
-            Found::pair(ids, own, order[(place & !TOUCHES) as usize], place & TOUCHES != 0)
-        }));
+        // Each is written to both and counts in one, so that nothing branches on the marks.
+        let [touching, near] = pairs;
+        let (mut count, mut all) = (0, 0);
+        for place in marked {
+            let pair = Found::pair(ids, own, place & !TOUCHES);
+            (touching[count], near[all - count]) = (pair, pair);
+            count += (place >> 31) as usize;
+            all += 1;
+        }
+        found.touching.extend_from_slice(&touching[..count]);
+        found.near.extend_from_slice(&near[..all - count]);
     }
 
     /// Keep the pairs of spheres of two bodies that are in reach of each other: the spheres of the first that are in reach of the
     /// second as a whole are held against eight of its spheres at a time.
     #[inline(always)]
-    fn spheres_of(&self, m: &Members, i: u32, j: u32, found: &mut Vec<Found>) {
+    fn spheres_of(&self, m: &Members, i: u32, j: u32, found: &mut Found) {
         let own = |body: u32| m.first[body as usize] as usize..m.first[body as usize + 1] as usize;
         let whole = &self.bodies.position[j as usize];
         let range = self.reserve[i as usize] + self.reserve[j as usize] + self.reach;
@@ -155,7 +158,7 @@ impl Search<'_> {
                     for lane in set_bits(near & valid) {
                         let second = (begin + lane) as u32;
                         let touching = touching >> lane & 1 != 0;
-                        found.push(Found::pair(&m.id, first as u32, second, touching));
+                        found.push(Found::pair(&m.id, first as u32, second), touching);
                     }
                 }
             }

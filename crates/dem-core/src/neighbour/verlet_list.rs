@@ -8,9 +8,12 @@
 //! that any run of spheres can collect its forces in the order of the list, whichever thread computed
 //! them.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use crate::contact_stage::CHUNK;
 use crate::particles::Column;
 use crate::spheres::Seats;
+use crate::threads::{NO_PARTS, Stage, Team, cut};
 
 /// Pairs in one block of the list.
 pub(crate) const LANES: usize = 8;
@@ -60,24 +63,57 @@ pub(crate) struct PairList {
     pub(crate) window: usize,
 }
 
-/// A pair found by the search.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Pairs found by the search, each the places of two spheres in the order of their names.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Found {
-    pub(crate) first: u32,
-    pub(crate) second: u32,
-    pub(crate) touching: bool,
+    /// Those that count as touching.
+    pub(crate) touching: Vec<[u32; 2]>,
+    /// Those that are merely near.
+    pub(crate) near: Vec<[u32; 2]>,
 }
 
 impl Found {
     /// Spheres `i` and `j` in the order of their names, `ids` by place.
     #[inline(always)]
-    pub(crate) fn pair(ids: &[u32], i: u32, j: u32, touching: bool) -> Self {
-        let (first, second) = if ids[i as usize] < ids[j as usize] { (i, j) } else { (j, i) };
-        Self { first, second, touching }
+    pub(crate) fn pair(ids: &[u32], i: u32, j: u32) -> [u32; 2] {
+        if ids[i as usize] < ids[j as usize] { [i, j] } else { [j, i] }
     }
 
-    fn owner(&self) -> usize {
-        self.first.min(self.second) as usize
+    pub(crate) fn push(&mut self, pair: [u32; 2], touching: bool) {
+        (if touching { &mut self.touching } else { &mut self.near }).push(pair);
+    }
+
+    /// Begin anew, with the room that so many bodies usually need.
+    pub(crate) fn begin(&mut self, bodies: usize) {
+        for pairs in [&mut self.touching, &mut self.near] {
+            pairs.clear();
+            pairs.reserve(3 * bodies);
+        }
+    }
+}
+
+/// The pairs of one kind.
+type Kind = fn(&Found) -> &Vec<[u32; 2]>;
+
+/// The earlier of two spheres owns their pair.
+fn owner(pair: [u32; 2]) -> usize {
+    pair[0].min(pair[1]) as usize
+}
+
+/// Numbers that a contact of the usual laws remembers.
+const RECORD: usize = 4;
+
+/// No pair.
+const NONE: u32 = u32::MAX;
+
+/// Which pair of the old list each pair of the new one was.
+#[derive(Debug, Default)]
+pub(crate) struct CameFrom(Vec<AtomicU32>);
+
+impl Clone for CameFrom {
+    /// A buffer: a copy begins with none.
+    fn clone(&self) -> Self {
+        Self::default()
     }
 }
 
@@ -92,61 +128,141 @@ impl PairList {
     }
 
     /// Fill the list with `found`, and take over what the contacts of `old` remember. `new_place`
-    /// tells where a sphere of `old` is now, if places changed.
+    /// tells where a sphere of `old` is now, if places changed; `came_from` is room for which pair of `old` each was.
     pub(crate) fn fill(
         &mut self,
         spheres: usize,
         slots: usize,
-        found: &[Vec<Found>],
-        old: &PairList,
-        new_place: Option<&[u32]>,
+        found: &[Found],
+        (old, new_place): (&PairList, Option<&[u32]>),
+        came_from: &mut CameFrom,
         seats: Seats<'_>,
+        team: &Team,
     ) {
         self.slots = slots;
-        for start in [&mut self.touching_start, &mut self.near_start] {
-            start.clear();
-            start.resize(spheres + 1, 0);
-        }
-        for f in found.iter().flatten() {
-            let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
-            start[f.owner()] += 1;
-        }
-        let touching = ends_from_counts(&mut self.touching_start, 0);
-        self.touching = touching;
-        self.near_begin = whole_blocks(touching);
-        let total = ends_from_counts(&mut self.near_start, self.near_begin);
+        let all = |of: Kind| found.iter().map(|f| of(f).len()).sum::<usize>();
+        self.touching = all(|f| &f.touching);
+        self.near_begin = whole_blocks(self.touching);
+        let total = self.near_begin + all(|f| &f.near);
         for places in [&mut self.first, &mut self.second] {
-            places.clear();
-            places.resize(total, 0);
+            places.make_room(total, 0);
         }
-        // From the back, so that pairs keep the order in which they were found and the counters
-        // end at the beginnings.
-        for f in found.iter().rev().flat_map(|f| f.iter().rev()) {
-            let start = if f.touching { &mut self.touching_start } else { &mut self.near_start };
-            let place = &mut start[f.owner()];
-            *place -= 1;
-            self.first[*place as usize] = f.first;
-            self.second[*place as usize] = f.second;
-        }
+        let begin = self.near_begin;
+        let [first, second] = [&mut self.first, &mut self.second].map(|v| v.split_at_mut(begin));
+        let touching =
+            Placing { start: &mut self.touching_start, first: first.0, second: second.0 };
+        let near = Placing { start: &mut self.near_start, first: first.1, second: second.1 };
+        let of: [Kind; 2] = [|f| &f.touching, |f| &f.near];
+        let begins = [0, begin];
+        team.each(2, cut(&mut [touching, near], 1), |kind, placing| {
+            placing[0].place(spheres, found, of[kind], begins[kind]);
+        });
         // Padding repeats the last pair, so that whoever reads it reads nothing else than that pair.
-        if let Some(last) = touching.checked_sub(1) {
+        if let Some(last) = self.touching.checked_sub(1) {
             for places in [&mut self.first, &mut self.second] {
                 let place = places[last];
-                places[touching..self.near_begin].fill(place);
+                places[self.touching..begin].fill(place);
             }
         }
-        self.sort_by_later(seats);
-        self.active.clear();
-        self.active.resize(total, 0);
-        self.memory.clear();
-        self.memory.resize(whole_blocks(total) * slots, 0.0);
-        self.take_over(spheres, old, new_place);
+        self.take_over(spheres, (old, new_place), came_from, seats, team);
+    }
+
+    /// Take over what the contacts of `old` remember, and sort the touching pairs by their later spheres.
+    fn take_over(
+        &mut self,
+        spheres: usize,
+        (old, new_place): (&PairList, Option<&[u32]>),
+        came_from: &mut CameFrom,
+        seats: Seats<'_>,
+        team: &Team,
+    ) {
+        let (total, slots) = (self.first.len(), self.slots);
+        let came_from = &mut came_from.0;
+        came_from.resize_with(total, AtomicU32::default);
+        came_from.iter_mut().for_each(|from| *from.get_mut() = NONE);
+        let now = |place: u32| new_place.map_or(place, |n| n[place as usize]);
+        let known = if old.touching_start.len() == spheres + 1 { &old.active[..] } else { &[] };
+        let mut by_later = std::mem::take(&mut self.by_later);
+        let mut later_start = std::mem::take(&mut self.later_start);
+        let mut window = 0;
+        {
+            let (list, came_from) = (&*self, &came_from[..]);
+            let sort = Stage {
+                count: 1,
+                parts: (
+                    cut(std::slice::from_mut(&mut by_later), 1),
+                    cut(std::slice::from_mut(&mut later_start), 1),
+                    cut(std::slice::from_mut(&mut window), 1),
+                ),
+                work: |_, (pairs, start, window): LaterParts<'_>| {
+                    window[0] = list.by_later(&mut pairs[0], &mut start[0], seats);
+                },
+            };
+            // Each contact of the old list finds its pair, if it is listed still: no two find the same.
+            let find = Stage {
+                count: known.len().div_ceil(CHUNK),
+                parts: NO_PARTS,
+                work: |c: usize, ()| {
+                    let begin = c * CHUNK;
+                    let marks = &known[begin..(begin + CHUNK).min(known.len())];
+                    for (k, _) in marks.iter().enumerate().filter(|(_, active)| **active != 0) {
+                        let was = begin + k;
+                        let (a, b) = (now(old.first[was]), now(old.second[was]));
+                        if let Some(pair) = list.find(a, b) {
+                            came_from[pair].store(was as u32, Ordering::Relaxed);
+                        }
+                    }
+                },
+            };
+            team.run(&[&sort, &find]);
+        }
+        (self.by_later, self.later_start, self.window) = (by_later, later_start, window);
+        self.active.make_room(total, 0);
+        self.memory.make_room(whole_blocks(total) * slots, 0.0);
+        let came_from = &came_from[..];
+        let parts = (cut(&mut self.active, CHUNK), cut(&mut self.memory, CHUNK * slots));
+        team.each(total.div_ceil(CHUNK), parts, |c, (active, memory): (&mut [u8], &mut [f64])| {
+            let own = &came_from[c * CHUNK..];
+            // Behind the last pair nothing is remembered.
+            memory[active.len() * slots..].fill(0.0);
+            for (active, from) in active.iter_mut().zip(own) {
+                *active = u8::from(from.load(Ordering::Relaxed) != NONE);
+            }
+            if slots == RECORD {
+                // As long as a record: one load and one store, and nothing that branches on whether a pair is new.
+                let old = old.memory.as_chunks::<RECORD>().0;
+                for (to, from) in memory.as_chunks_mut::<RECORD>().0.iter_mut().zip(own) {
+                    let was = from.load(Ordering::Relaxed) as usize;
+                    *to = *old.get(was).unwrap_or(&[0.0; RECORD]);
+                }
+                return;
+            }
+            for (memory, from) in memory.chunks_exact_mut(slots).zip(own) {
+                match from.load(Ordering::Relaxed) {
+                    NONE => memory.fill(0.0),
+                    was => memory.copy_from_slice(&old.memory[memory_of(slots, was as usize)]),
+                }
+            }
+        });
     }
 
     /// Sort the touching pairs by the body of their later sphere, those of one body as in the list.
     pub(crate) fn sort_by_later(&mut self, seats: Seats<'_>) {
-        self.later_start.clear();
-        self.later_start.resize(self.touching_start.len(), 0);
+        let (mut pairs, mut start) =
+            (std::mem::take(&mut self.by_later), std::mem::take(&mut self.later_start));
+        self.window = self.by_later(&mut pairs, &mut start, seats);
+        (self.by_later, self.later_start) = (pairs, start);
+    }
+
+    /// The touching pairs by the body of their later sphere, and where those of each begin; returns the window.
+    fn by_later(
+        &self,
+        by_later: &mut Vec<[u32; 2]>,
+        later_start: &mut Vec<u32>,
+        seats: Seats<'_>,
+    ) -> usize {
+        later_start.clear();
+        later_start.resize(self.touching_start.len(), 0);
         let pairs = || self.first[..self.touching].iter().zip(&self.second[..self.touching]);
         let (mut begin, mut window) = (0, 0);
         for (pair, (&a, &b)) in pairs().enumerate() {
@@ -154,21 +270,19 @@ impl PairList {
                 begin = seats.body(a.min(b) as usize);
             }
             let body = seats.body(a.max(b) as usize);
-            self.later_start[seats.first(body)] += 1;
+            later_start[seats.first(body)] += 1;
             window = window.max(body - begin + 1);
         }
-        self.window = window;
-        let total = ends_from_counts(&mut self.later_start, 0);
-        self.by_later.clear();
-        self.by_later.resize(total, [0; 2]);
+        let total = ends_from_counts(later_start, 0);
+        by_later.resize(total, [0; 2]);
         for (pair, (&a, &b)) in pairs().enumerate().rev() {
             let later = a.max(b);
-            let place = &mut self.later_start[seats.first(seats.body(later as usize))];
+            let place = &mut later_start[seats.first(seats.body(later as usize))];
             *place -= 1;
-            self.by_later[*place as usize] = [2 * pair as u32 + u32::from(b > a), later];
+            by_later[*place as usize] = [2 * pair as u32 + u32::from(b > a), later];
         }
+        window
     }
-
     /// Most places from the owner of the first near pair of a chunk to any sphere in the chunk, both included.
     pub(crate) fn near_window(&self) -> usize {
         let near = self.near();
@@ -187,20 +301,6 @@ impl PairList {
         self.window = 0;
     }
 
-    fn take_over(&mut self, spheres: usize, old: &PairList, new_place: Option<&[u32]>) {
-        if old.touching_start.len() != spheres + 1 {
-            return;
-        }
-        let now = |place: u32| new_place.map_or(place, |n| n[place as usize]);
-        for (was, _) in old.active.iter().enumerate().filter(|(_, active)| **active != 0) {
-            let (a, b) = (now(old.first[was]), now(old.second[was]));
-            let Some(pair) = self.find(a, b) else { continue };
-            self.active[pair] = 1;
-            self.memory[memory_of(self.slots, pair)]
-                .copy_from_slice(&old.memory[memory_of(self.slots, was)]);
-        }
-    }
-
     /// Place of the pair (`first`, `second`).
     pub(crate) fn find(&self, first: u32, second: u32) -> Option<usize> {
         let owner = first.min(second) as usize;
@@ -212,6 +312,36 @@ impl PairList {
     }
 }
 
+/// The pairs by later sphere, where those of each begin, and the window, each alone in its slice.
+type LaterParts<'a> = (&'a mut [Vec<[u32; 2]>], &'a mut [Vec<u32>], &'a mut [usize]);
+
+/// One of the two runs of the list, to be filled.
+struct Placing<'a> {
+    start: &'a mut Vec<u32>,
+    first: &'a mut [u32],
+    second: &'a mut [u32],
+}
+
+impl Placing<'_> {
+    /// Sort what was found of one kind by owners, the first of it to be pair `begin`.
+    fn place(&mut self, spheres: usize, found: &[Found], of: Kind, begin: usize) {
+        self.start.clear();
+        self.start.resize(spheres + 1, 0);
+        for pair in found.iter().flat_map(of) {
+            self.start[owner(*pair)] += 1;
+        }
+        ends_from_counts(self.start, begin);
+        // From the back, so that pairs keep the order in which they were found and the counters
+        // end at the beginnings.
+        for pair in found.iter().rev().flat_map(|f| of(f).iter().rev()) {
+            let place = &mut self.start[owner(*pair)];
+            *place -= 1;
+            let to = *place as usize - begin;
+            (self.first[to], self.second[to]) = (pair[0], pair[1]);
+        }
+    }
+}
+
 /// Turn counts into ends (to be counted down to beginnings); the last entry is the total.
 fn ends_from_counts(counts: &mut [u32], begin: usize) -> usize {
     let mut sum = begin as u32;
@@ -220,4 +350,76 @@ fn ends_from_counts(counts: &mut [u32], begin: usize) -> usize {
         *c = sum;
     }
     sum as usize
+}
+
+#[cfg(test)]
+impl PairList {
+    /// The list of these pairs of spheres that are their own bodies.
+    pub(crate) fn of(spheres: usize, found: Found) -> Self {
+        let mut list = Self::default();
+        let old = (&Self::default(), None);
+        let team = Team::new(1);
+        list.fill(spheres, 1, &[found], old, &mut CameFrom::default(), Seats::OWN, &team);
+        list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_the_same_for_any_number_of_threads_and_keeps_what_contacts_remember() {
+        let spheres = 3000u32;
+        // Another list after each turn: pairs go from near to touching and back, and places change.
+        let found = |turn: u32| -> Vec<Found> {
+            let chunk = |c: u32| {
+                let mut found = Found::default();
+                for k in 500 * c..500 * (c + 1) {
+                    for step in [1, 2, 37].into_iter().filter(|step| k + step < spheres) {
+                        let pair = if k % 3 == 0 { [k + step, k] } else { [k, k + step] };
+                        found.push(pair, (k + step + turn).is_multiple_of(2));
+                    }
+                }
+                found
+            };
+            (0..6).map(chunk).collect()
+        };
+        let turned: Vec<u32> = (0..spheres).rev().collect();
+        for slots in [RECORD, 7] {
+            let lists = [1, 2, 3].map(|threads| {
+                let (team, mut from) = (Team::new(threads), CameFrom::default());
+                let (mut old, mut list) = (PairList::default(), PairList::default());
+                team.enter(|| {
+                    old.fill(3000, slots, &found(0), (&list, None), &mut from, Seats::OWN, &team);
+                    let pairs = (0..old.touching).chain(old.near());
+                    for pair in pairs.filter(|pair| pair % 5 != 0) {
+                        old.active[pair] = 1;
+                        let own = (slots * pair..slots * (pair + 1)).map(|k| k as f64);
+                        old.memory[memory_of(slots, pair)]
+                            .copy_from_slice(&own.collect::<Vec<_>>());
+                    }
+                    for (turn, place) in [(1, None), (0, Some(&turned[..]))] {
+                        let before = (&old, place);
+                        list.fill(3000, slots, &found(turn), before, &mut from, Seats::OWN, &team);
+                    }
+                    // Once more without a change of places, for what is remembered.
+                    list.fill(3000, slots, &found(1), (&old, None), &mut from, Seats::OWN, &team);
+                });
+                (old, list)
+            });
+            assert!(lists.iter().all(|list| *list == lists[0]));
+            let (old, list) = &lists[0];
+            let mut remembered = 0;
+            for was in (0..old.first.len()).filter(|was| old.active[*was] == 1) {
+                let Some(pair) = list.find(old.first[was], old.second[was]) else { continue };
+                assert_eq!(list.active[pair], 1);
+                let own = [list, old].map(|l| &l.memory[..]);
+                assert_eq!(own[0][memory_of(slots, pair)], own[1][memory_of(slots, was)]);
+                remembered += 1;
+            }
+            assert_eq!(list.active.iter().filter(|active| **active == 1).count(), remembered);
+            assert!(remembered > 6000, "{remembered}");
+        }
+    }
 }

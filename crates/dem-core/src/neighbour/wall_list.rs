@@ -27,6 +27,38 @@ pub(crate) struct WallList {
     pub(crate) facets: Vec<u32>,
 }
 
+/// Walls near the spheres of some bodies.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct NearWalls {
+    /// Sphere and wall.
+    entries: Vec<(u32, u16)>,
+    /// Which of `facets` are in reach of an entry, if any are of meshes.
+    facets_of: Vec<[u32; 2]>,
+    pub(crate) facets: Vec<u32>,
+    /// Walls in reach of a clump.
+    pub(crate) in_reach: Vec<usize>,
+}
+
+impl NearWalls {
+    /// Begin anew, with room for one wall a body.
+    pub(crate) fn begin(&mut self, bodies: usize) {
+        self.entries.clear();
+        self.entries.reserve(bodies);
+        self.facets_of.clear();
+        self.facets.clear();
+        self.in_reach.clear();
+    }
+
+    /// A sphere is near a wall: of a mesh, near these of its facets.
+    pub(crate) fn push(&mut self, sphere: u32, wall: u16, facets: Option<[u32; 2]>) {
+        if facets.is_some() || !self.facets_of.is_empty() {
+            self.facets_of.resize(self.entries.len(), [0; 2]);
+            self.facets_of.push(facets.unwrap_or_default());
+        }
+        self.entries.push((sphere, wall));
+    }
+}
+
 impl WallList {
     pub(crate) fn clear(&mut self, slots: usize) {
         self.slots = slots;
@@ -43,12 +75,27 @@ impl WallList {
         self.sphere.len()
     }
 
-    pub(crate) fn push(&mut self, sphere: u32, wall: u16, facets: [u32; 2]) {
-        self.sphere.push(sphere);
-        self.wall.push(wall);
-        self.facet.push(NO_FACET);
-        self.active.push(0);
-        self.facets_of.push(facets);
+    /// Go on with the walls near the next spheres.
+    pub(crate) fn append(&mut self, near: &NearWalls) {
+        let before = self.facets.len() as u32;
+        for (k, &(sphere, wall)) in near.entries.iter().enumerate() {
+            let facets = near.facets_of.get(k).copied().unwrap_or_default();
+            self.close(sphere as usize);
+            self.sphere.push(sphere);
+            self.wall.push(wall);
+            self.facet.push(NO_FACET);
+            self.active.push(0);
+            let of_mesh = facets[0] < facets[1];
+            self.facets_of.push(if of_mesh { facets.map(|f| before + f) } else { facets });
+        }
+        self.facets.extend_from_slice(&near.facets);
+    }
+
+    /// Say where the entries of spheres up to this one begin, of which those before it have all theirs; behind the last sphere, where
+    /// all entries end.
+    pub(crate) fn close(&mut self, sphere: usize) {
+        let now = self.len() as u32;
+        self.start.resize(self.start.len().max(sphere + 1), now);
     }
 
     /// Take over what the contacts of `old` remember.
@@ -76,5 +123,32 @@ impl WallList {
                     .copy_from_slice(&old.memory[memory_of(self.slots, was)]);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walls_near_runs_of_spheres_follow_each_other_with_their_facets() {
+        let (mut first, mut second) = (NearWalls::default(), NearWalls::default());
+        first.begin(3);
+        first.push(0, 1, None);
+        first.facets.extend([7, 8]);
+        first.push(2, 2, Some([0, 2]));
+        first.push(2, 1, None);
+        second.begin(3);
+        second.facets.push(9);
+        second.push(4, 2, Some([0, 1]));
+        let mut list = WallList::default();
+        list.clear(4);
+        list.append(&first);
+        list.append(&second);
+        list.close(6);
+        assert_eq!((list.sphere, list.wall), (vec![0, 2, 2, 4], vec![1, 2, 1, 2]));
+        assert_eq!(list.start, [0, 1, 1, 3, 3, 4, 4]);
+        assert_eq!(list.facets_of, [[0, 0], [0, 2], [0, 0], [2, 3]]);
+        assert_eq!(list.facets, [7, 8, 9]);
     }
 }

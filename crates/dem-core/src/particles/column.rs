@@ -120,6 +120,17 @@ impl<T> Column<T> {
         }
         self.0.resize(length, value);
     }
+
+    /// Be of this length: what is there is of no account, and goes if more memory is needed.
+    pub(crate) fn make_room(&mut self, length: usize, value: T)
+    where
+        T: Clone,
+    {
+        if length > self.0.capacity() {
+            self.clear();
+        }
+        self.resize(length, value);
+    }
 }
 
 #[cfg(test)]
@@ -149,6 +160,10 @@ mod tests {
         records.clear();
         records.resize(20_000, Record::ZERO);
         assert!(begins_a_line(&records) && records.iter().all(|r| r.w == 0.0));
+        records.make_room(7, Record::ZERO);
+        assert_eq!(records.len(), 7);
+        records.make_room(50_000, Record::ZERO);
+        assert!(begins_a_line(&records) && records.len() == 50_000);
         assert!(begins_a_line(&(0..9u32).collect::<Column<_>>()));
     }
 }

@@ -77,6 +77,20 @@ unsafe fn put_marked(of: __m512i, to: *mut i32, marked: u16) {
     unsafe { _mm512_storeu_si512(to.cast(), _mm512_maskz_compress_epi32(marked, of)) }
 }
 
+/// Put the numbers of eight that `marks` marks side by side, with their highest bit where `highest` has one.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+pub(super) unsafe fn put_eight(of: &[u32; 8], [marks, highest]: [u8; 2], to: &mut [u32; 8]) {
+    // SAFETY: by the caller; eight numbers are read and eight written.
+    unsafe {
+        let bit = _mm256_maskz_set1_epi32(highest, i32::MIN);
+        let of = _mm256_or_si256(_mm256_loadu_si256(of.as_ptr().cast()), bit);
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(marks, of));
+    }
+}
+
 /// Places `k` and `k + 4` of eight, then `k + 1` and `k + 5`.
 #[inline(always)]
 fn sides(p: &[u32; 8], k: usize) -> [[u32; 2]; 2] {

@@ -22,6 +22,7 @@ mod lanes;
 mod meeting;
 mod near;
 mod pairs;
+mod reach;
 mod records;
 mod staged;
 mod wall;
@@ -33,6 +34,7 @@ pub(crate) use clumps::{OnBodies, Placing, Since, Turning};
 pub(crate) use hertz_mindlin::Features;
 pub(crate) use lanes::{Mask, Numbers, Quad, Quads, V3};
 pub(crate) use pairs::{PairKernel, Run, Wrenches};
+pub(crate) use reach::{in_reach, keep_marked};
 pub(crate) use wall::WallRun;
 
 use crate::contact::cohesion::{Cohesionless, Sjkr};
@@ -40,8 +42,7 @@ use crate::contact::model::ContactModel;
 use crate::contact::normal::Hertz;
 use crate::contact::rolling::{AbsoluteSpin, ConstantTorque, FreeRolling, RollingArm};
 use crate::contact::tangential::{Mindlin, MindlinTotalSpring};
-use crate::neighbour::Period;
-use crate::particles::{Column, Record};
+use crate::particles::Record;
 use crate::threads::View;
 
 /// Instruction set that a world's kernels use.
@@ -220,60 +221,6 @@ pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
     laws.iter()
         .map(|law| Constants::of_any::<true>(law).or_else(|| Constants::of_any::<false>(law)))
         .collect()
-}
-
-/// Bits of those among eight spheres (coordinates and radii in `columns` from `begin` on) whose gap to
-/// `own` is below the range, and of those whose gap is below the margin.
-#[inline(always)]
-pub(crate) fn in_reach(
-    level: Level,
-    own: &Record,
-    (columns, more): (&[Column<f64>; 4], Option<&[f64; 8]>),
-    begin: usize,
-    gaps: [f64; 2],
-    period: Option<Period>,
-) -> [u8; 2] {
-    let eight = |k: usize| columns[k][begin..].first_chunk::<8>();
-    let (Some(x), Some(y), Some(z), Some(r)) = (eight(0), eight(1), eight(2), eight(3)) else {
-        return [0; 2];
-    };
-    let more = more.unwrap_or(&[0.0; 8]);
-    #[cfg(target_arch = "x86_64")]
-    match level {
-        Level::Avx512 => {
-            return reach::<avx512::Wide<false, false>>(own, [x, y, z, r, more], gaps, period);
-        }
-        Level::Avx2 => return reach::<avx2::Pair<false>>(own, [x, y, z, r, more], gaps, period),
-        Level::Portable => {}
-    }
-    let _ = level;
-    (0..8).fold([0; 2], |[near, touching], k| {
-        let d = glam::DVec3::new(x[k] - own.x, y[k] - own.y, z[k] - own.z);
-        let d2 = Period::shortest(period, d).length_squared();
-        let below = |gap: f64| u8::from(d2 < (own.w + r[k] + gap).powi(2)) << k;
-        [near | below(gaps[0] + more[k]), touching | below(gaps[1])]
-    })
-}
-
-#[inline(always)]
-fn reach<V: lanes::Lanes>(
-    own: &Record,
-    [x, y, z, r, more]: [&[f64; 8]; 5],
-    gaps: [f64; 2],
-    period: Option<Period>,
-) -> [u8; 2] {
-    let mut d = lanes::V3 {
-        x: V::load(x) - V::splat(own.x),
-        y: V::load(y) - V::splat(own.y),
-        z: V::load(z) - V::splat(own.z),
-    };
-    if let Some(p) = period {
-        d = d.shortest(p);
-    }
-    let (d2, both) = (d.dot(d), V::splat(own.w) + V::load(r));
-    let range = both + (V::splat(gaps[0]) + V::load(more));
-    let margin = both + V::splat(gaps[1]);
-    [d2.less(range * range), d2.less(margin * margin)]
 }
 
 /// Ask the memory for records that are needed soon.

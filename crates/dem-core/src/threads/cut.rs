@@ -57,10 +57,18 @@ impl<'a, T> From<&'a [T]> for View<'a, T> {
     }
 }
 
-impl<T> View<'_, T> {
+impl<'a, T> View<'a, T> {
     #[inline(always)]
     pub(crate) fn len(&self) -> usize {
         self.length
+    }
+
+    /// Elements that nobody writes while they are looked at.
+    #[inline(always)]
+    pub(crate) fn run(&self, places: std::ops::Range<usize>) -> &'a [T] {
+        assert!(places.start <= places.end && places.end <= self.length, "{places:?}");
+        // SAFETY: within the slice, and nobody else writes what is read.
+        unsafe { std::slice::from_raw_parts(self.begin.add(places.start), places.len()) }
     }
 
     #[inline(always)]
@@ -154,6 +162,19 @@ impl<'a, T: Send> Cut for Groups<'a, T> {
         // SAFETY: within the slice, and no other run of groups overlaps it.
         unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
     }
+}
+
+/// Chunks that have no parts of their own: what they work on is shared.
+pub(crate) struct NoParts;
+
+/// No parts.
+pub(crate) const NO_PARTS: NoParts = NoParts;
+
+impl Cut for NoParts {
+    type Part = ();
+
+    #[inline(always)]
+    unsafe fn part(&self, _: usize) {}
 }
 
 impl<C: Cut, const N: usize> Cut for [C; N] {

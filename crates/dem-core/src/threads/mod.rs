@@ -1,7 +1,7 @@
 //! Threads: fixed chunks of work, so that results do not depend on how many threads share them.
 //!
-//! A team lives as long as its world. Its workers wait for the next stage in a loop for some tens
-//! of microseconds, then sleep; between two calls of `run` they sleep at once. A stage is a number
+//! A team lives as long as its world. Its workers wait for the next stage in a loop for half a
+//! millisecond, then sleep; between two calls of `run` they sleep at once. A stage is a number
 //! of chunks. Every thread takes chunks from its own share first, then from those of others, and
 //! the stage is over when all chunks are done: nobody waits for a thread that was given no core.
 //! The thread that calls waits likewise: first in a loop, then asleep.
@@ -16,10 +16,11 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
-pub(crate) use cut::{Chunks, Cut, Groups, InTurn, Runs, View, chosen, cut, cut_groups};
+pub(crate) use cut::{Chunks, Cut, Groups, InTurn, NO_PARTS, Runs, View, chosen, cut, cut_groups};
 
-/// How long a thread looks for the next stage before it sleeps.
-const PATIENCE: Duration = Duration::from_micros(60);
+/// How long a thread looks for the next stage before it sleeps: longer than what one thread does alone while a list of some thousand bodies
+/// is made, since waking takes some tens of microseconds, as long as a good part of the search.
+const PATIENCE: Duration = Duration::from_micros(500);
 
 /// Work on `count` chunks.
 pub(crate) struct Stage<C, F> {
@@ -88,6 +89,29 @@ impl Team {
         work: impl Fn(usize, C::Part) + Sync,
     ) {
         self.run(&[&Stage { count, parts, work }]);
+    }
+}
+
+impl Team {
+    /// Whether something holds for all chunks.
+    pub(crate) fn all(&self, count: usize, holds: impl Fn(usize) -> bool + Sync) -> bool {
+        let fails = AtomicBool::new(false);
+        self.each(count, NO_PARTS, |c, ()| {
+            if !holds(c) {
+                fails.store(true, Ordering::Relaxed);
+            }
+        });
+        !fails.into_inner()
+    }
+
+    /// The largest number that a chunk yields; zero if none is larger.
+    pub(crate) fn largest(&self, count: usize, of: impl Fn(usize) -> f64 + Sync) -> f64 {
+        // Numbers that are not negative are in the order of their bits.
+        let largest = AtomicU64::new(0);
+        self.each(count, NO_PARTS, |c, ()| {
+            largest.fetch_max(of(c).max(0.0).to_bits(), Ordering::Relaxed);
+        });
+        f64::from_bits(largest.into_inner())
     }
 }
 
@@ -465,6 +489,19 @@ mod tests {
                 for n in (0..1000).step_by(37) {
                     assert_eq!(squares(&team, n), expected[..n]);
                 }
+            });
+        }
+    }
+
+    #[test]
+    fn what_holds_for_all_chunks_and_the_largest_of_them_are_told() {
+        for threads in [1, 3] {
+            let team = Team::new(threads);
+            team.enter(|| {
+                assert!(team.all(100, |c| c < 100) && team.all(0, |_| false));
+                assert!(!team.all(100, |c| c != 57));
+                assert_eq!(team.largest(100, |c| (c as f64 - 40.0).powi(2)), 59.0f64.powi(2));
+                assert_eq!(team.largest(100, |_| -1.0), 0.0);
             });
         }
     }
