@@ -8,7 +8,10 @@
 //! in the order in which the stages of `contact_stage.rs` and `body_stage.rs` add them, so to the same bits.
 //!
 //! Several threads go so in several strips (`strips.rs`). Few bodies, those near where strips meet, have to wait
-//! until all strips are done: the wrenches on them are kept, and a last stage finishes them.
+//! for both: the wrenches on them are kept, and the earlier strip takes over what the later one has left behind, or a last stage
+//! finishes them.
+
+use std::ops::Range;
 
 use crate::body_run::{Columns, Run, SPIN, cut_bodies};
 use crate::body_stage::{Drift, Farthest, Kick, Piece};
@@ -62,6 +65,8 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) kick: &'a Kick<'a, M>,
     pub(crate) drift: &'a Drift<'a>,
     pub(crate) turns: &'a Turns<'a>,
+    /// Wrenches that strips keep for each other, where there are several.
+    pub(crate) kept: Option<[View<'a, Record>; 3]>,
     /// Whether places are asked for before they are needed: where the second-level cache does not hold the bed.
     pub(crate) warm: bool,
     /// Spins and places when the list was made, of a bed that no cache holds: there everything is asked for.
@@ -112,7 +117,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut bodies = std::mem::take(&mut self.state.bodies);
         let mut s = std::mem::take(&mut self.scratch);
         let placed = std::mem::take(&mut s.placed);
-        let strips = std::mem::take(&mut s.strips);
+        let mut strips = std::mem::take(&mut s.strips);
+        strips.begin();
         let clumps = self.has_clumps();
         let (make, level) = (&self.make, self.make.level);
         {
@@ -122,7 +128,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let vector = kernel.as_ref().map(|kernel| (level, kernel));
             all_contacts(&context, vector, &self.team, make, &mut pairs, &mut walls, &mut s, false);
         }
-        let mut deep = s.near_yield.iter().chain(&s.wall_yield).any(|y| y.deep.is_some());
+        let mut deep = s.told().any(|y| y.deep.is_some());
         s.moved.cover(bodies.len());
         s.keep_some(pairs.near_begin, &strips);
         s.rings.resize_with(strips.count(), Ring::default);
@@ -167,6 +173,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             );
             let spins = cut_columns[SPIN].view();
             let kernel = kernel_of(make, spheres, dt, false);
+            let wrenches = kept.each_mut().map(|wrenches| cut(wrenches, CHUNK));
             let pass = Pass {
                 context: contacts_of(make, spheres, &placed, dt, false),
                 vector: kernel.as_ref().map(|kernel| (level, kernel)),
@@ -178,6 +185,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kick: &kick,
                 drift: &drift,
                 turns: &turns,
+                kept: Some(wrenches.each_ref().map(Chunks::view)),
                 warm: count > WARM && !clumps,
                 far: (count > make.far && !clumps).then(|| [spins, drift.reference.into()]),
             };
@@ -185,12 +193,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let mut chunks = (
                 cut(&mut active[..near_begin], CHUNK),
                 cut(&mut memory[..near_begin * pairs.slots], CHUNK * pairs.slots),
-                kept.each_mut().map(|wrenches| cut(wrenches, CHUNK)),
+                wrenches,
                 cut(&mut s.pair_yield, 1),
             );
             let mut pieces = (cut_columns, cut(&mut s.moved.square, 1), of_clumps);
             let parts = (
-                Runs::new(&mut pieces, &strips.pieces),
+                Runs::new(&mut pieces, &strips.finished),
                 Runs::new(&mut chunks, &strips.chunks),
                 cut(&mut s.rings, 1),
                 cut(&mut s.strip_yield, 1),
@@ -205,7 +213,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         deep |= s.strip_yield.iter().any(|y| y.deep);
         let mut moved_far = s.strip_yield.iter().any(|y| y.moved_far);
         kick.collect.pairs = Some((&pairs, kept.each_ref().map(|wrenches| &wrenches[..])));
-        let deferred = &strips.deferred;
+        strips.see_what_is_left(&s.strip_yield);
+        let deferred = &strips.left;
         s.body_yield.reserve(bodies.len().div_ceil(PIECE).saturating_sub(s.body_yield.len()));
         s.body_yield.resize(deferred.len(), BodyYield::default());
         let of_clumps = cut_clumps(&mut attitude, &mut end_spin, &mut positions, &members.first);
@@ -272,10 +281,90 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         C: Cut<Part = Chunk<'b>>,
     {
         let all = chunks.left();
-        let mut gone = Gone { chunk: all.start, piece: bodies.left().start, ..Gone::default() };
+        let first = self.strips.pieces[strip] as usize;
+        let mut gone = Gone { chunk: all.start, piece: first, ..Gone::default() };
         gone.into.deep = deep;
-        self.go(strip, &mut bodies, &mut chunks, ring, &mut gone, (all.end, true));
+        let (own, handed) = (bodies.left(), self.strips.handed(strip));
+        self.go(strip, &mut bodies, &mut chunks, ring, &mut gone, (all.end, handed.is_empty()));
+        if !handed.is_empty() {
+            self.take_over(strip, (&own, &handed), &mut bodies, ring, &mut gone);
+        }
         gone.into
+    }
+
+    /// Go on behind the last chunk of a strip with what the next one hands to it, if that is left behind there, and to the end.
+    fn take_over<'b, B: Cut<Part = OfBodies<'b>>>(
+        &self,
+        strip: usize,
+        (own, handed): (&Range<usize>, &Range<usize>),
+        bodies: &mut InTurn<'_, B>,
+        ring: &mut Ring,
+        gone: &mut Gone,
+    ) {
+        let (pairs, seats) = (self.pairs, self.kick.seats);
+        // What it touched there is done with itself.
+        self.finish(handed.start, own, None, bodies, ring, gone);
+        let handed_over = self.strips.are_handed(strip);
+        gone.into.took_over = handed_over.is_some();
+        // Who takes part in a fault must not move on.
+        gone.into.deep |= handed_over.unwrap_or_default();
+        let chunks = self.strips.next_chunks(strip);
+        if let Some(kept) = self.kept.filter(|_| gone.into.took_over) {
+            for chunk in chunks {
+                let begin = chunk * CHUNK;
+                let owner = seats.body(pairs.owner(begin));
+                gone.reach = (owner + pairs.window).min(self.bodies);
+                self.finish(owner / PIECE, own, Some(handed), bodies, ring, gone);
+                if self.strips.keep(chunk) {
+                    let places = begin..(begin + CHUNK).min(pairs.touching);
+                    let (first, second) =
+                        (&pairs.first[places.clone()], &pairs.second[places.clone()]);
+                    let kept = kept.each_ref().map(|kept| kept.run(places.clone()));
+                    widened(
+                        self.level,
+                        #[inline(always)]
+                        || ring.add(first, second, kept, seats),
+                    );
+                }
+            }
+        }
+        let taken = gone.into.took_over.then_some(handed);
+        self.finish(own.end.max(gone.reach.div_ceil(PIECE)), own, taken, bodies, ring, gone);
+    }
+
+    /// Finish the bodies of a strip before a piece, unless they wait and are not taken over.
+    #[inline(always)]
+    fn finish<'b, B: Cut<Part = OfBodies<'b>>>(
+        &self,
+        before: usize,
+        own: &Range<usize>,
+        taken: Option<&Range<usize>>,
+        bodies: &mut InTurn<'_, B>,
+        ring: &mut Ring,
+        gone: &mut Gone,
+    ) {
+        while gone.piece < before {
+            let begin = gone.piece * PIECE;
+            let sums = ring.piece(begin, PIECE.min(self.bodies - begin));
+            let waits = self.strips.waits(gone.piece)
+                && !taken.is_some_and(|taken| taken.contains(&gone.piece));
+            if waits || !own.contains(&gone.piece) {
+                sums.fill(Pull::ZERO);
+            } else if let Some(of) = bodies.take(gone.piece) {
+                let finish = Finish {
+                    integrator: self.integrator,
+                    kick: self.kick,
+                    drift: (!gone.into.deep).then_some(self.drift),
+                    turns: self.turns,
+                    level: self.level,
+                };
+                gone.into.moved_far |= finish.piece(begin, of, sums).too_far;
+            }
+            gone.piece += 1;
+            if !gone.into.deep {
+                gone.into.drifted = gone.piece;
+            }
+        }
     }
 
     /// Go on through a strip up to a chunk, and behind its last one to its end.
@@ -323,26 +412,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 }
                 gone.asked = [touched, finished];
             }
-            while gone.piece < frontier {
-                let begin = gone.piece * PIECE;
-                let sums = ring.piece(begin, PIECE.min(self.bodies - begin));
-                if !own.contains(&gone.piece) || self.strips.waits(gone.piece) {
-                    sums.fill(Pull::ZERO);
-                } else if let Some(of) = bodies.take(gone.piece) {
-                    let finish = Finish {
-                        integrator: self.integrator,
-                        kick: self.kick,
-                        drift: (!gone.into.deep).then_some(self.drift),
-                        turns: self.turns,
-                        level: self.level,
-                    };
-                    gone.into.moved_far |= finish.piece(begin, of, sums).too_far;
-                }
-                gone.piece += 1;
-                if !gone.into.deep {
-                    gone.into.drifted = gone.piece;
-                }
-            }
+            self.finish(frontier, &own, None, bodies, ring, gone);
             let Some((active, numbers, kept, found)) = chunks.take(chunk) else { break };
             debug_assert!(
                 self.strips.stays_within(strip, pairs, chunk, seats),
@@ -371,6 +441,9 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             gone.into.deep |= found[0].deep.is_some();
             gone.deepest = deeper(gone.deepest, found[0].deep);
             gone.chunk = chunk + 1;
+            if self.kept.is_some() {
+                self.strips.pass(strip, gone.chunk, gone.into.deep);
+            }
         }
     }
 }

@@ -327,6 +327,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             kick: &kick,
             drift: &drift,
             turns: &self.turns(&[], &[]),
+            kept: None,
             warm: far.is_some(),
             far: far.map(|spins| [spins, drift.reference.into()]),
         };
