@@ -324,7 +324,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let clumps = self.has_clumps();
         let s = &mut self.scratch;
         s.cells.sort(&self.state.bodies.position, range, self.make.period, &self.team);
-        s.order.clone_from(&s.cells.order);
+        s.order.clear();
+        s.order.extend_from_slice(s.cells.order());
         // The search sorts anew afterwards, so its positions lend their memory.
         self.state.bodies.permute(&s.order, &mut s.cells.sorted, &self.team);
         // The reference goes with the bodies: it is read once more before it is renewed.
@@ -387,9 +388,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.cells.sort(&self.state.bodies.position, range, period, &self.team);
         s.sorted_reserve.make_room(bodies + LANES, 0.0);
         s.sorted_reserve[bodies..].fill(0.0);
-        s.sorted_places.clone_from(&s.cells.order);
-        s.sorted_places.resize(bodies + LANES, 0);
-        let (order, reserve) = (&s.cells.order, &s.reserve);
+        let (order, reserve) = (s.cells.order(), &s.reserve);
         let parts = cut(&mut s.sorted_reserve[..bodies], PART);
         self.team.each(bodies.div_ceil(PART), parts, |c, sorted| {
             for (to, &from) in sorted.iter_mut().zip(&order[part(c, bodies)]) {
@@ -405,7 +404,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             members: clumps.then_some(&self.state.members),
             spheres: &s.sphere_columns,
             range,
-            sorted_places: &s.sorted_places,
             reserve: &s.reserve,
             sorted_reserve: &s.sorted_reserve,
             reach: self.make.range,

@@ -181,8 +181,6 @@ pub(crate) struct Scratch {
     pub(crate) reserve: Vec<f64>,
     /// The same in the order of the search, with room for one more vector at the end.
     pub(crate) sorted_reserve: Column<f64>,
-    /// Places of bodies in memory, likewise.
-    pub(crate) sorted_places: Vec<u32>,
     pub(crate) old_pairs: PairList,
     pub(crate) near_order: NearOrder,
     /// Displacements since the list was made.

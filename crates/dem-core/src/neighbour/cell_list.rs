@@ -33,8 +33,8 @@ struct Level {
 pub(crate) struct CellList {
     levels: Vec<Level>,
     used_levels: usize,
-    /// Bodies by level and cell.
-    pub(crate) order: Vec<u32>,
+    /// Bodies by level and cell, with room for one more vector at the end.
+    order: Vec<u32>,
     /// Their positions and bounding radii in that order.
     pub(crate) sorted: Column<Record>,
     /// The same, coordinate by coordinate, with room for one more vector at the end.
@@ -108,7 +108,8 @@ impl CellList {
             Some(1) => [0, 2, 1],
             _ => [0, 1, 2],
         };
-        self.order.resize(n, 0);
+        self.order.clear();
+        self.order.resize(n + LANES, 0);
         self.key.resize(n, 0);
         self.bounds.resize(chunks, Bounds::NONE);
         team.each(chunks, cut(&mut self.bounds, 1), |c, bounds| {
@@ -125,12 +126,10 @@ impl CellList {
             self.levels.push(Level::default());
         }
         self.used_levels = levels;
+        self.level_of.clear();
         // Nobody asks for the level where there is but one.
-        self.level_of.resize(n, 0);
         if levels > 1 {
-            for (level, p) in self.level_of.iter_mut().zip(position) {
-                *level = (largest / p.w).log2() as u8;
-            }
+            self.level_of.extend(position.iter().map(|p| (largest / p.w).log2() as u8));
         }
         let mut begin = 0;
         for l in 0..levels {
@@ -145,7 +144,7 @@ impl CellList {
         let order = &self.order;
         let columns = self.columns.each_mut().map(|column| cut(&mut column[..n], SORT));
         team.each(chunks, (cut(&mut self.sorted, SORT), columns), |c, (sorted, [x, y, z, w])| {
-            let own = &order[c * SORT..];
+            let own = &order[c * SORT..n];
             for (k, (to, from)) in sorted.iter_mut().zip(own).enumerate() {
                 *to = position[*from as usize];
                 (x[k], y[k], z[k], w[k]) = (to.x, to.y, to.z, to.w);
@@ -227,6 +226,16 @@ impl CellList {
         level.begin = begin;
         level.end = begin + count;
         level.end
+    }
+
+    /// The bodies by level and cell.
+    pub(crate) fn order(&self) -> &[u32] {
+        &self.order[..self.sorted.len()]
+    }
+
+    /// The same, and a vector of places more.
+    pub(crate) fn order_and_more(&self) -> &[u32] {
+        &self.order
     }
 
     /// Call `found(k, m)` for every pair of sorted places whose gap may be below `range(k)`, where

@@ -16,8 +16,6 @@ pub(crate) struct Search<'a> {
     /// Coordinates and radii of those spheres, with room for one more vector at the end.
     pub(crate) spheres: &'a [Column<f64>; 4],
     pub(crate) range: f64,
-    /// Places in memory of the bodies in the order of the cells, with room for one more vector at the end.
-    pub(crate) sorted_places: &'a [u32],
     /// What each body may move.
     pub(crate) reserve: &'a [f64],
     /// The same in the order of the cells, with room for one more vector at the end.
@@ -78,7 +76,7 @@ impl Search<'_> {
     /// Pairs of the bodies at these places with those behind them.
     #[inline(always)]
     pub(crate) fn pairs_of(&self, places: std::ops::Range<usize>, found: &mut Found) {
-        let cells = self.cells;
+        let (cells, order) = (self.cells, self.cells.order_and_more());
         let most = 0.5 * (self.range - self.reach);
         let (mut own, mut candidates) = (places.start, Candidates::NONE);
         cells.for_each_candidate(
@@ -103,7 +101,7 @@ impl Search<'_> {
                     // All eight are written and the next ones overwrite what does not count, so that nothing branches on
                     // the bits.
                     let to = candidates.places[candidates.count..].first_chunk_mut();
-                    if let (Some(to), Some(of)) = (to, self.sorted_places[begin..].first_chunk()) {
+                    if let (Some(to), Some(of)) = (to, order[begin..].first_chunk()) {
                         let marks = [near & lowest_bits(left), touching];
                         candidates.count += crate::simd::keep_marked(self.level, of, marks, to);
                     }
@@ -120,7 +118,7 @@ impl Search<'_> {
     /// Keep the pairs of the body at sorted place `k` with its candidates.
     #[inline(always)]
     fn keep_all(&self, k: usize, candidates: &mut Candidates, found: &mut Found) {
-        let (own, ids) = (self.sorted_places[k], &self.bodies.id);
+        let (own, ids) = (self.cells.order_and_more()[k], &self.bodies.id);
         let Candidates { places, count, pairs } = candidates;
         let marked = &places[..std::mem::take(count)];
         if let Some(m) = self.members {
