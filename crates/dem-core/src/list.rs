@@ -87,7 +87,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let new_place = sorted.then_some(&s.new_sphere_place[..]);
         let seats = state.members.seats();
         let old = (&s.old_pairs, new_place);
-        state.pairs.fill(spheres, slots, &s.found, old, &mut s.came_from, seats, &self.team);
+        state.pairs.fill(spheres, slots, &s.found, old, seats, &self.team);
         self.list_walls(sorted);
         let (state, s) = (&mut self.state, &mut self.scratch);
         let (position, reserve) = (&state.bodies.position, &s.reserve);

@@ -16,7 +16,7 @@ use crate::material::{Material, MaterialId};
 use crate::neighbour::Period;
 use crate::neighbour::cell_list::CellList;
 use crate::neighbour::near_order::{Moved, NearOrder};
-use crate::neighbour::verlet_list::{CameFrom, Found, PairList};
+use crate::neighbour::verlet_list::{Found, PairList};
 use crate::neighbour::wall_list::{NearWalls, WallList};
 use crate::particles::{Bodies, Column, ParticleId, Record};
 use crate::rigid::Clump;
@@ -175,8 +175,6 @@ pub(crate) struct Scratch {
     /// Coordinates and radii of the spheres of clumps.
     pub(crate) sphere_columns: [Column<f64>; 4],
     pub(crate) found: Vec<Found>,
-    /// Which pair of the old list each pair was.
-    pub(crate) came_from: CameFrom,
     /// What each body may move before the list is made again, m.
     pub(crate) reserve: Vec<f64>,
     /// The same in the order of the search, with room for one more vector at the end.

@@ -8,12 +8,12 @@
 //! that any run of spheres can collect its forces in the order of the list, whichever thread computed
 //! them.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::Ordering;
 
 use crate::contact_stage::CHUNK;
 use crate::particles::Column;
 use crate::spheres::Seats;
-use crate::threads::{NO_PARTS, Stage, Team, cut};
+use crate::threads::{NO_PARTS, Stage, Team, cells, cut};
 
 /// Pairs in one block of the list.
 pub(crate) const LANES: usize = 8;
@@ -104,18 +104,7 @@ fn owner(pair: [u32; 2]) -> usize {
 const RECORD: usize = 4;
 
 /// No pair.
-const NONE: u32 = u32::MAX;
-
-/// Which pair of the old list each pair of the new one was.
-#[derive(Debug, Default)]
-pub(crate) struct CameFrom(Vec<AtomicU32>);
-
-impl Clone for CameFrom {
-    /// A buffer: a copy begins with none.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
+const NONE: u64 = u64::MAX;
 
 impl PairList {
     /// The sphere that owns a pair.
@@ -128,14 +117,13 @@ impl PairList {
     }
 
     /// Fill the list with `found`, and take over what the contacts of `old` remember. `new_place`
-    /// tells where a sphere of `old` is now, if places changed; `came_from` is room for which pair of `old` each was.
+    /// tells where a sphere of `old` is now, if places changed.
     pub(crate) fn fill(
         &mut self,
         spheres: usize,
         slots: usize,
         found: &[Found],
         (old, new_place): (&PairList, Option<&[u32]>),
-        came_from: &mut CameFrom,
         seats: Seats<'_>,
         team: &Team,
     ) {
@@ -153,10 +141,25 @@ impl PairList {
             Placing { start: &mut self.touching_start, first: first.0, second: second.0 };
         let near = Placing { start: &mut self.near_start, first: first.1, second: second.1 };
         let of: [Kind; 2] = [|f| &f.touching, |f| &f.near];
-        let begins = [0, begin];
-        team.each(2, cut(&mut [touching, near], 1), |kind, placing| {
-            placing[0].place(spheres, found, of[kind], begins[kind]);
-        });
+        let (begins, mut both) = ([0, begin], [touching, near]);
+        self.active.make_room(total, 0);
+        self.memory.make_room(whole_blocks(total) * slots, 0.0);
+        let place = Stage {
+            count: 2,
+            parts: cut(&mut both, 1),
+            work: |kind: usize, placing: &mut [Placing<'_>]| {
+                placing[0].place(spheres, found, of[kind], begins[kind]);
+            },
+        };
+        // Until it is known, the first number that a pair remembers tells which pair of the old list it was.
+        let forget = Stage {
+            count: total.div_ceil(CHUNK),
+            parts: cut(&mut self.memory, CHUNK * slots),
+            work: |_, memory: &mut [f64]| {
+                memory.iter_mut().step_by(slots).for_each(|was| *was = f64::from_bits(NONE));
+            },
+        };
+        team.run(&[&place, &forget]);
         // Padding repeats the last pair, so that whoever reads it reads nothing else than that pair.
         if let Some(last) = self.touching.checked_sub(1) {
             for places in [&mut self.first, &mut self.second] {
@@ -164,7 +167,7 @@ impl PairList {
                 places[self.touching..begin].fill(place);
             }
         }
-        self.take_over(spheres, (old, new_place), came_from, seats, team);
+        self.take_over(spheres, (old, new_place), seats, team);
     }
 
     /// Take over what the contacts of `old` remember, and sort the touching pairs by their later spheres.
@@ -172,21 +175,18 @@ impl PairList {
         &mut self,
         spheres: usize,
         (old, new_place): (&PairList, Option<&[u32]>),
-        came_from: &mut CameFrom,
         seats: Seats<'_>,
         team: &Team,
     ) {
         let (total, slots) = (self.first.len(), self.slots);
-        let came_from = &mut came_from.0;
-        came_from.resize_with(total, AtomicU32::default);
-        came_from.iter_mut().for_each(|from| *from.get_mut() = NONE);
+        let mut memory = std::mem::take(&mut self.memory);
         let now = |place: u32| new_place.map_or(place, |n| n[place as usize]);
         let known = if old.touching_start.len() == spheres + 1 { &old.active[..] } else { &[] };
         let mut by_later = std::mem::take(&mut self.by_later);
         let mut later_start = std::mem::take(&mut self.later_start);
         let mut window = 0;
         {
-            let (list, came_from) = (&*self, &came_from[..]);
+            let (list, came_from) = (&*self, cells(&mut memory));
             let sort = Stage {
                 count: 1,
                 parts: (
@@ -209,7 +209,7 @@ impl PairList {
                         let was = begin + k;
                         let (a, b) = (now(old.first[was]), now(old.second[was]));
                         if let Some(pair) = list.find(a, b) {
-                            came_from[pair].store(was as u32, Ordering::Relaxed);
+                            came_from[slots * pair].store(was as u64, Ordering::Relaxed);
                         }
                     }
                 },
@@ -217,33 +217,31 @@ impl PairList {
             team.run(&[&sort, &find]);
         }
         (self.by_later, self.later_start, self.window) = (by_later, later_start, window);
-        self.active.make_room(total, 0);
-        self.memory.make_room(whole_blocks(total) * slots, 0.0);
-        let came_from = &came_from[..];
-        let parts = (cut(&mut self.active, CHUNK), cut(&mut self.memory, CHUNK * slots));
-        team.each(total.div_ceil(CHUNK), parts, |c, (active, memory): (&mut [u8], &mut [f64])| {
-            let own = &came_from[c * CHUNK..];
+        let parts = (cut(&mut self.active, CHUNK), cut(&mut memory, CHUNK * slots));
+        team.each(total.div_ceil(CHUNK), parts, |_, (active, memory): (&mut [u8], &mut [f64])| {
             // Behind the last pair nothing is remembered.
             memory[active.len() * slots..].fill(0.0);
-            for (active, from) in active.iter_mut().zip(own) {
-                *active = u8::from(from.load(Ordering::Relaxed) != NONE);
-            }
             if slots == RECORD {
                 // As long as a record: one load and one store, and nothing that branches on whether a pair is new.
                 let old = old.memory.as_chunks::<RECORD>().0;
-                for (to, from) in memory.as_chunks_mut::<RECORD>().0.iter_mut().zip(own) {
-                    let was = from.load(Ordering::Relaxed) as usize;
-                    *to = *old.get(was).unwrap_or(&[0.0; RECORD]);
+                let own = memory.as_chunks_mut::<RECORD>().0;
+                for (active, memory) in active.iter_mut().zip(own) {
+                    let was = memory[0].to_bits();
+                    *active = u8::from(was != NONE);
+                    *memory = *old.get(was as usize).unwrap_or(&[0.0; RECORD]);
                 }
                 return;
             }
-            for (memory, from) in memory.chunks_exact_mut(slots).zip(own) {
-                match from.load(Ordering::Relaxed) {
+            for (active, memory) in active.iter_mut().zip(memory.chunks_exact_mut(slots)) {
+                let was = memory[0].to_bits();
+                *active = u8::from(was != NONE);
+                match was {
                     NONE => memory.fill(0.0),
                     was => memory.copy_from_slice(&old.memory[memory_of(slots, was as usize)]),
                 }
             }
         });
+        self.memory = memory;
     }
 
     /// Sort the touching pairs by the body of their later sphere, those of one body as in the list.
@@ -359,7 +357,7 @@ impl PairList {
         let mut list = Self::default();
         let old = (&Self::default(), None);
         let team = Team::new(1);
-        list.fill(spheres, 1, &[found], old, &mut CameFrom::default(), Seats::OWN, &team);
+        list.fill(spheres, 1, &[found], old, Seats::OWN, &team);
         list
     }
 }
@@ -388,10 +386,10 @@ mod tests {
         let turned: Vec<u32> = (0..spheres).rev().collect();
         for slots in [RECORD, 7] {
             let lists = [1, 2, 3].map(|threads| {
-                let (team, mut from) = (Team::new(threads), CameFrom::default());
+                let team = Team::new(threads);
                 let (mut old, mut list) = (PairList::default(), PairList::default());
                 team.enter(|| {
-                    old.fill(3000, slots, &found(0), (&list, None), &mut from, Seats::OWN, &team);
+                    old.fill(3000, slots, &found(0), (&list, None), Seats::OWN, &team);
                     let pairs = (0..old.touching).chain(old.near());
                     for pair in pairs.filter(|pair| pair % 5 != 0) {
                         old.active[pair] = 1;
@@ -401,10 +399,10 @@ mod tests {
                     }
                     for (turn, place) in [(1, None), (0, Some(&turned[..]))] {
                         let before = (&old, place);
-                        list.fill(3000, slots, &found(turn), before, &mut from, Seats::OWN, &team);
+                        list.fill(3000, slots, &found(turn), before, Seats::OWN, &team);
                     }
                     // Once more without a change of places, for what is remembered.
-                    list.fill(3000, slots, &found(1), (&old, None), &mut from, Seats::OWN, &team);
+                    list.fill(3000, slots, &found(1), (&old, None), Seats::OWN, &team);
                 });
                 (old, list)
             });

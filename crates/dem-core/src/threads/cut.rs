@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 use std::ops::Index;
+use std::sync::atomic::AtomicU64;
 
 /// A slice cut into chunks of equal length (the last may be shorter).
 pub(crate) struct Chunks<'a, T> {
@@ -162,6 +163,13 @@ impl<'a, T: Send> Cut for Groups<'a, T> {
         // SAFETY: within the slice, and no other run of groups overlaps it.
         unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
     }
+}
+
+/// Numbers as cells that any thread may write.
+pub(crate) fn cells(numbers: &mut [f64]) -> &[AtomicU64] {
+    const { assert!(align_of::<f64>() == align_of::<AtomicU64>(), "a number can be a cell") };
+    // SAFETY: both are eight bytes that may be anything, and nobody else has the numbers while the cells live.
+    unsafe { &*(std::ptr::from_mut(numbers) as *const [AtomicU64]) }
 }
 
 /// Chunks that have no parts of their own: what they work on is shared.

@@ -16,7 +16,9 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
-pub(crate) use cut::{Chunks, Cut, Groups, InTurn, NO_PARTS, Runs, View, chosen, cut, cut_groups};
+pub(crate) use cut::{
+    Chunks, Cut, Groups, InTurn, NO_PARTS, Runs, View, cells, chosen, cut, cut_groups,
+};
 
 /// How long a thread looks for the next stage before it sleeps: longer than what one thread does alone while a list of some thousand bodies
 /// is made, since waking takes some tens of microseconds, as long as a good part of the search.
