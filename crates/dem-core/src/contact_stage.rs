@@ -90,15 +90,18 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     let wall_stage = Stage {
         count: entries.div_ceil(CHUNK),
         parts: (
-            cut(&mut walls.active, CHUNK),
-            cut(&mut walls.memory, CHUNK * slots),
-            cut(&mut w.wall_force, CHUNK),
-            cut(&mut w.wall_torque, CHUNK),
-            cut(&mut w.wall_torque_on_wall, CHUNK),
-            cut(&mut s.wall_yield, 1),
+            (
+                cut(&mut walls.active, CHUNK),
+                cut(&mut walls.memory, CHUNK * slots),
+                cut(&mut w.wall_force, CHUNK),
+                cut(&mut w.wall_torque, CHUNK),
+                cut(&mut w.wall_torque_on_wall, CHUNK),
+                cut(&mut s.wall_yield, 1),
+            ),
             cut(&mut s.wall_told, 1),
         ),
-        work: |c, (active, numbers, force, torque, on_wall, into, told): WallParts<'_>| {
+        work: |c, (parts, told): (PairParts<'_>, &mut [bool])| {
+            let (active, numbers, force, torque, on_wall, into) = parts;
             let begin = c * CHUNK;
             let end = begin + active.len();
             let nearest = nearest.get(begin..end).unwrap_or_default();
@@ -121,17 +124,6 @@ pub(crate) type PairParts<'a> = (
     &'a mut [Record],
     &'a mut [Record],
     &'a mut [ChunkYield],
-);
-
-/// The same, and whether it yields anything.
-type WallParts<'a> = (
-    &'a mut [u8],
-    &'a mut [f64],
-    &'a mut [Record],
-    &'a mut [Record],
-    &'a mut [Record],
-    &'a mut [ChunkYield],
-    &'a mut [bool],
 );
 
 /// One chunk of near pairs: marks, memory, what it yields, whether that is anything.

@@ -24,7 +24,7 @@ use crate::simd::widened;
 use crate::step::kernel_of;
 use crate::sums::PIECE;
 use crate::sweep::{FAR, MOST_STEPS};
-use crate::threads::cut;
+use crate::threads::{PART, cut, part};
 use crate::world::{Kept, SPHERE, World, sphere_view};
 
 /// Lists between two re-sortings of the bodies in memory.
@@ -43,14 +43,6 @@ const LEAST_STRIDE: f64 = 1e-3;
 
 /// Bodies whose partners are searched in one chunk of work.
 const SEARCH: usize = 512;
-
-/// Bodies in one chunk of lighter work.
-pub(crate) const PART: usize = 1024;
-
-/// Bodies of chunk `c` of so many.
-pub(crate) fn part(c: usize, bodies: usize) -> std::ops::Range<usize> {
-    c * PART..((c + 1) * PART).min(bodies)
-}
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Make the list anew.

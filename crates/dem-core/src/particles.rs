@@ -7,7 +7,7 @@ use glam::DVec3;
 pub(crate) use column::Column;
 
 use crate::material::MaterialId;
-use crate::threads::{Team, cut};
+use crate::threads::{PART, Team, cut, part};
 
 /// Name of a particle (a sphere or a clump): its number in the order of adding, for ever.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -165,9 +165,6 @@ pub(crate) struct Bodies {
     pub(crate) place: Vec<u32>,
 }
 
-/// Records that are put in order in one chunk of work.
-const GATHERED: usize = 1024;
-
 impl Bodies {
     pub(crate) fn len(&self) -> usize {
         self.id.len()
@@ -221,8 +218,8 @@ impl Bodies {
                 continue;
             }
             scratch.make_room(order.len(), Record::ZERO);
-            team.each(order.len().div_ceil(GATHERED), cut(scratch, GATHERED), |c, to| {
-                for (to, &from) in to.iter_mut().zip(&order[c * GATHERED..]) {
+            team.each(order.len().div_ceil(PART), cut(scratch, PART), |c, to| {
+                for (to, &from) in to.iter_mut().zip(&order[part(c, order.len())]) {
                     *to = v[from as usize];
                 }
             });

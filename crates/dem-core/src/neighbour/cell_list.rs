@@ -10,7 +10,7 @@
 use super::Period;
 use super::verlet_list::LANES;
 use crate::particles::{Column, Record};
-use crate::threads::{Team, cut};
+use crate::threads::{PART, Team, cut, part};
 
 /// Largest number of cells a level may have, per body in it.
 const CELLS_PER_BODY: usize = 8;
@@ -46,9 +46,6 @@ pub(crate) struct CellList {
     /// Axes, the fastest first; a periodic one is never the fastest.
     axes: [usize; 3],
 }
-
-/// Bodies that are sorted in one chunk of work.
-const SORT: usize = 1024;
 
 /// Least and largest of each field of some records.
 #[derive(Debug, Clone, Copy)]
@@ -102,7 +99,7 @@ impl CellList {
         team: &Team,
     ) {
         let n = position.len();
-        let chunks = n.div_ceil(SORT);
+        let chunks = n.div_ceil(PART);
         self.axes = match period.map(|p| p.axis) {
             Some(0) => [1, 2, 0],
             Some(1) => [0, 2, 1],
@@ -113,7 +110,7 @@ impl CellList {
         self.key.resize(n, 0);
         self.bounds.resize(chunks, Bounds::NONE);
         team.each(chunks, cut(&mut self.bounds, 1), |c, bounds| {
-            let own = &position[c * SORT..((c + 1) * SORT).min(n)];
+            let own = &position[part(c, n)];
             bounds[0] = own.iter().fold(Bounds::NONE, |all, p| all.with(&Bounds::of(p)));
         });
         let all = self.bounds.iter().fold(Bounds::NONE, |all, part| all.with(part));
@@ -142,9 +139,9 @@ impl CellList {
             column[n..].fill(0.0);
         }
         let order = &self.order;
-        let columns = self.columns.each_mut().map(|column| cut(&mut column[..n], SORT));
-        team.each(chunks, (cut(&mut self.sorted, SORT), columns), |c, (sorted, [x, y, z, w])| {
-            let own = &order[c * SORT..n];
+        let columns = self.columns.each_mut().map(|column| cut(&mut column[..n], PART));
+        team.each(chunks, (cut(&mut self.sorted, PART), columns), |c, (sorted, [x, y, z, w])| {
+            let own = &order[part(c, n)];
             for (k, (to, from)) in sorted.iter_mut().zip(own).enumerate() {
                 *to = position[*from as usize];
                 (x[k], y[k], z[k], w[k]) = (to.x, to.y, to.z, to.w);
@@ -193,9 +190,9 @@ impl CellList {
         let axes = self.axes;
         {
             let level = &*level;
-            team.each(position.len().div_ceil(SORT), cut(key, SORT), |c, keys| {
-                let places = c * SORT..;
-                for ((key, p), k) in keys.iter_mut().zip(&position[places.start..]).zip(places) {
+            team.each(position.len().div_ceil(PART), cut(key, PART), |c, keys| {
+                let own = part(c, position.len());
+                for ((key, p), k) in keys.iter_mut().zip(&position[own.clone()]).zip(own) {
                     if belongs(k) {
                         *key = level.index(axes, level.cell([p.x, p.y, p.z])) as u32;
                     }

@@ -2,9 +2,8 @@
 
 use crate::contact::model::ContactLaw;
 use crate::integrate::Integrator;
-use crate::list::{PART, part};
 use crate::neighbour::wall_list::NearWalls;
-use crate::threads::cut;
+use crate::threads::{PART, cut, part};
 use crate::world::World;
 
 impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {

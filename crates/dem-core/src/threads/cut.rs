@@ -165,6 +165,14 @@ impl<'a, T: Send> Cut for Groups<'a, T> {
     }
 }
 
+/// Bodies in one chunk of light work.
+pub(crate) const PART: usize = 1024;
+
+/// Bodies of chunk `c` of so many.
+pub(crate) fn part(c: usize, bodies: usize) -> std::ops::Range<usize> {
+    c * PART..((c + 1) * PART).min(bodies)
+}
+
 /// Numbers as cells that any thread may write.
 pub(crate) fn cells(numbers: &mut [f64]) -> &[AtomicU64] {
     const { assert!(align_of::<f64>() == align_of::<AtomicU64>(), "a number can be a cell") };

@@ -17,7 +17,7 @@ use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
 pub(crate) use cut::{
-    Chunks, Cut, Groups, InTurn, NO_PARTS, Runs, View, cells, chosen, cut, cut_groups,
+    Chunks, Cut, Groups, InTurn, NO_PARTS, PART, Runs, View, cells, chosen, cut, cut_groups, part,
 };
 
 /// How long a thread looks for the next stage before it sleeps: longer than what one thread does alone while a list of some thousand bodies
@@ -92,9 +92,7 @@ impl Team {
     ) {
         self.run(&[&Stage { count, parts, work }]);
     }
-}
 
-impl Team {
     /// Whether something holds for all chunks.
     pub(crate) fn all(&self, count: usize, holds: impl Fn(usize) -> bool + Sync) -> bool {
         let fails = AtomicBool::new(false);
