@@ -133,7 +133,7 @@ impl<'a> Run<'a> {
             end_velocity: &mut self.end_velocity[own.clone()],
             mean_spin: &mut self.mean_spin[own.clone()],
             linear: self.linear.get_mut(own.clone()).unwrap_or_default(),
-            turn: &mut self.turn[own],
+            turn: self.turn.get_mut(own).unwrap_or_default(),
         }
     }
 
@@ -152,7 +152,7 @@ impl<'a> Run<'a> {
             end_velocity: &mut self.end_velocity[..n],
             mean_spin: &mut self.mean_spin[..n],
             linear: &mut *self.linear,
-            turn: &mut self.turn[..n],
+            turn: &mut *self.turn,
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::list::Turn;
 use crate::particles::Record;
 use crate::simd::{Quad, Quads, RecordWork, on_records};
 use crate::spheres::Seats;
-use crate::sums::{Collect, PIECE, Pull, Seated};
+use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Seated};
 use crate::threads::cut;
 use crate::world::{BodyYield, Make, World};
 
@@ -116,10 +116,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let (w, members) = (&self.scratch.wrenches, &self.state.members);
         let seats = members.seats();
         let collect = Collect {
-            pairs: Some((
-                &self.state.pairs,
-                [&w.pair_force, &w.pair_torque_first, &w.pair_torque_second],
-            )),
+            pairs: Some(KeptWrenches {
+                pairs: &self.state.pairs,
+                wrenches: [&w.pair_force, &w.pair_torque_first, &w.pair_torque_second],
+                places: None,
+            }),
             walls: &self.state.wall_list,
             w,
             late_ends: &self.scratch.late_ends,

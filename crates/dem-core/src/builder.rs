@@ -24,7 +24,7 @@ use crate::simd::{Arithmetic, Level};
 use crate::sweep::FAR;
 use crate::threads::Team;
 use crate::timestep::{hertz_time, rayleigh_time};
-use crate::world::{Make, SPHERE, Scratch, State, World};
+use crate::world::{LARGE, Make, SPHERE, Scratch, State, World};
 
 /// Largest ratio of radii that the neighbour search is made for.
 pub const LARGEST_SIZE_RATIO: f64 = 100.0;
@@ -360,6 +360,9 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
         let mut state = state;
         if !I::REMEMBERS {
             state.bodies.linear_memory = Column::default();
+            if self.shapes.is_empty() {
+                state.bodies.angular_memory = Column::default();
+            }
         }
         state.walls = walls
             .iter()
@@ -399,6 +402,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 },
                 overlap_limit: self.overlap_limit,
                 far: FAR,
+                large: LARGE,
                 turning_wall,
             },
             integrator,
@@ -433,6 +437,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
     fn bodies(&self, domain: &[DVec3; 2]) -> Result<State, Error> {
         let mut state = State { forces_stale: true, list_stale: true, ..State::default() };
         let clumps = !self.shapes.is_empty();
+        state.bodies.reserve(self.bodies.len());
         for body in &self.bodies {
             let id = match body {
                 Body::Sphere(s) => {

@@ -37,7 +37,7 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     let (near, entries) = (pairs.near().len(), walls.len());
     debug_assert_eq!(near_begin % LANES, 0);
     if with_touching {
-        s.keep_all(near_begin);
+        s.keep_all(near_begin, context.spheres.position.len() > make.large);
     }
     s.wrenches.walls().into_iter().for_each(|v| v.resize(entries, Record::default()));
     s.room_for_yields(pairs, walls);

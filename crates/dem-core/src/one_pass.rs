@@ -22,14 +22,14 @@ use crate::error::Error;
 use crate::forces::{ChunkYield, Contacts, DeepOverlap, deeper};
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
-use crate::particles::{Column, Record};
+use crate::particles::Record;
 use crate::simd::{Level, PairKernel, Wrenches, fetch, on_records, widened};
 use crate::spheres::{ClumpView, SphereView};
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
-use crate::sums::{Collect, PIECE, Pull, Ring};
-use crate::threads::{Chunks, Cut, Groups, InTurn, Runs, View, chosen, cut, cut_groups};
-use crate::world::{BodyYield, Kept, Scratch, StripYield, World, sphere_view};
+use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Ring};
+use crate::threads::{Chunks, Cut, Groups, InTurn, Runs, View, chosen, cut, cut_groups, packed};
+use crate::world::{BodyYield, StripYield, World, sphere_view};
 
 /// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
 pub(crate) type Chunk<'a> =
@@ -65,8 +65,8 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) kick: &'a Kick<'a, M>,
     pub(crate) drift: &'a Drift<'a>,
     pub(crate) turns: &'a Turns<'a>,
-    /// Wrenches that strips keep for each other, where there are several.
-    pub(crate) kept: Option<[View<'a, Record>; 3]>,
+    /// Wrenches that strips keep for each other and where those of each chunk lie, where there are several.
+    pub(crate) kept: Option<([View<'a, Record>; 3], &'a [u32])>,
     /// Whether places are asked for before they are needed: where the second-level cache does not hold the bed.
     pub(crate) warm: bool,
     /// Spins and places when the list was made, of a bed that no cache holds: there everything is asked for.
@@ -130,7 +130,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         let mut deep = s.told().any(|y| y.deep.is_some());
         s.moved.cover(bodies.len());
-        s.keep_some(pairs.near_begin, &strips);
+        let large = bodies.len() > make.large;
+        if large {
+            s.keep_none(pairs.near_begin);
+        }
+        s.keep_some(strips.room(), if large { 0 } else { pairs.near_begin });
         s.rings.resize_with(strips.count(), Ring::default);
         s.strip_yield.resize(strips.count(), StripYield::default());
         s.rings.iter_mut().for_each(|ring| ring.cover(pairs.window, bodies.len()));
@@ -185,7 +189,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kick: &kick,
                 drift: &drift,
                 turns: &turns,
-                kept: Some(wrenches.each_ref().map(Chunks::view)),
+                kept: Some((wrenches.each_ref().map(Chunks::view), strips.kept())),
                 warm: count > WARM && !clumps,
                 far: (count > make.far && !clumps).then(|| [spins, drift.reference.into()]),
             };
@@ -193,7 +197,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let mut chunks = (
                 cut(&mut active[..near_begin], CHUNK),
                 cut(&mut memory[..near_begin * pairs.slots], CHUNK * pairs.slots),
-                wrenches,
+                packed(wrenches, strips.kept()),
                 cut(&mut s.pair_yield, 1),
             );
             let mut pieces = (cut_columns, cut(&mut s.moved.square, 1), of_clumps);
@@ -212,8 +216,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         (pairs.active, pairs.memory) = (active, memory);
         deep |= s.strip_yield.iter().any(|y| y.deep);
         let mut moved_far = s.strip_yield.iter().any(|y| y.moved_far);
-        kick.collect.pairs = Some((&pairs, kept.each_ref().map(|wrenches| &wrenches[..])));
         strips.see_what_is_left(&s.strip_yield);
+        let wrenches = kept.each_ref().map(|wrenches| &wrenches[..]);
+        kick.collect.pairs =
+            Some(KeptWrenches { pairs: &pairs, wrenches, places: Some(strips.kept()) });
         let deferred = &strips.left;
         s.body_yield.reserve(bodies.len().div_ceil(PIECE).saturating_sub(s.body_yield.len()));
         s.body_yield.resize(deferred.len(), BodyYield::default());
@@ -309,17 +315,17 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         // Who takes part in a fault must not move on.
         gone.into.deep |= handed_over.unwrap_or_default();
         let chunks = self.strips.next_chunks(strip);
-        if let Some(kept) = self.kept.filter(|_| gone.into.took_over) {
+        if let Some((kept, places)) = self.kept.filter(|_| gone.into.took_over) {
             for chunk in chunks {
                 let begin = chunk * CHUNK;
                 let owner = seats.body(pairs.owner(begin));
                 gone.reach = (owner + pairs.window).min(self.bodies);
                 self.finish(owner / PIECE, own, Some(handed), bodies, ring, gone);
                 if self.strips.keep(chunk) {
-                    let places = begin..(begin + CHUNK).min(pairs.touching);
-                    let (first, second) =
-                        (&pairs.first[places.clone()], &pairs.second[places.clone()]);
-                    let kept = kept.each_ref().map(|kept| kept.run(places.clone()));
+                    let own = begin..(begin + CHUNK).min(pairs.touching);
+                    let at = places[chunk] as usize * CHUNK;
+                    let kept = kept.each_ref().map(|kept| kept.run(at..at + own.len()));
+                    let (first, second) = (&pairs.first[own.clone()], &pairs.second[own]);
                     widened(
                         self.level,
                         #[inline(always)]
@@ -421,13 +427,14 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             let places = begin..begin + active.len();
             let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
             let count = active.len().min(pairs.touching - begin);
+            let all = active.len();
             let mut compute = |wrenches| {
                 let run =
                     Touching { pairs: count, slots, first, second, active, numbers, wrenches };
                 touching_pairs(&self.context, self.vector, run, &mut found[0]);
             };
             if self.strips.keep(chunk) {
-                let [force, on_first, on_second] = kept;
+                let [force, on_first, on_second] = kept.map(|kept| &mut kept[..all]);
                 compute(Wrenches::Kept([force, on_first, on_second]));
                 let kept = [&force[..count], &on_first[..count], &on_second[..count]];
                 widened(
@@ -480,42 +487,5 @@ impl<M, I: Integrator> Finish<'_, M, I> {
         }
         moved[0] = moved[0].max(farthest.square);
         farthest
-    }
-}
-
-impl Scratch {
-    /// Have room for the wrenches of all touching pairs.
-    pub(crate) fn keep_all(&mut self, count: usize) {
-        let none = self.kept != Kept::All;
-        for v in self.wrenches.touching() {
-            if none {
-                // The kernel passes over pairs that neither touch nor touched: theirs begin at zero.
-                v.clear();
-            }
-            v.resize(count, Record::ZERO);
-        }
-        self.kept = Kept::All;
-    }
-
-    /// Have room for the wrenches of the chunks that the strips keep.
-    fn keep_some(&mut self, count: usize, strips: &Strips) {
-        let none = self.kept == Kept::None;
-        for v in self.wrenches.touching() {
-            // Never less, so that nothing has to be cleared but what is kept.
-            v.resize(count.max(v.len()), Record::ZERO);
-            for chunk in strips.kept().filter(|_| none) {
-                let end = ((chunk + 1) * CHUNK).min(count);
-                v[chunk * CHUNK..end].fill(Record::ZERO);
-            }
-        }
-        self.kept = Kept::Some;
-    }
-
-    /// Let nobody look at the wrenches of some pairs only.
-    pub(crate) fn drop_some(&mut self) {
-        if self.kept != Kept::All {
-            self.wrenches.touching().into_iter().for_each(Column::clear);
-            self.kept = Kept::None;
-        }
     }
 }

@@ -157,8 +157,8 @@ pub(crate) struct Bodies {
     pub(crate) mean_spin: Column<Record>,
     /// Velocity that the last forces foretold for the end of the step, and charge.
     pub(crate) end_velocity: Column<Record>,
-    /// What the integrator remembers of the translation (empty if nothing) and of the rotation
-    /// (of a clump: its angular momentum).
+    /// What the integrator remembers of the translation and of the rotation (of a clump: its angular momentum); empty if
+    /// nothing.
     pub(crate) linear_memory: Column<Record>,
     pub(crate) angular_memory: Column<Record>,
     /// Place of each body, by its name.
@@ -168,6 +168,30 @@ pub(crate) struct Bodies {
 impl Bodies {
     pub(crate) fn len(&self) -> usize {
         self.id.len()
+    }
+
+    /// Have room for so many bodies.
+    pub(crate) fn reserve(&mut self, bodies: usize) {
+        for names in [&mut self.id, &mut self.place] {
+            names.reserve_exact(bodies.saturating_sub(names.len()));
+        }
+        self.columns().into_iter().for_each(|column| column.reserve(bodies));
+    }
+
+    /// What is known of every body, record by record.
+    fn columns(&mut self) -> [&mut Column<Record>; 10] {
+        [
+            &mut self.position,
+            &mut self.velocity,
+            &mut self.spin,
+            &mut self.acceleration,
+            &mut self.angular_acceleration,
+            &mut self.mean_velocity,
+            &mut self.mean_spin,
+            &mut self.end_velocity,
+            &mut self.linear_memory,
+            &mut self.angular_memory,
+        ]
     }
 
     pub(crate) fn push(
@@ -202,18 +226,7 @@ impl Bodies {
 
     /// Put body `order[k]` at place `k`, for all `k`.
     pub(crate) fn permute(&mut self, order: &[u32], scratch: &mut Column<Record>, team: &Team) {
-        for v in [
-            &mut self.position,
-            &mut self.velocity,
-            &mut self.spin,
-            &mut self.acceleration,
-            &mut self.angular_acceleration,
-            &mut self.mean_velocity,
-            &mut self.mean_spin,
-            &mut self.end_velocity,
-            &mut self.linear_memory,
-            &mut self.angular_memory,
-        ] {
+        for v in self.columns() {
             if v.is_empty() {
                 continue;
             }

@@ -83,6 +83,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// step or skin.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         let (own, its) = (self.fingerprint(), snapshot.make);
+        let clumps = self.has_clumps();
         for (what, found, expected) in [
             ("number of particles", its.bodies, own.bodies),
             ("number of walls", its.walls, own.walls),
@@ -98,8 +99,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         self.state.clone_from(&snapshot.state);
         // A snapshot of a world with another integrator may hold no memory, or one too many.
-        let remembered = if I::REMEMBERS { self.state.bodies.len() } else { 0 };
-        self.state.bodies.linear_memory.resize(remembered, Record::default());
+        let bodies = &mut self.state.bodies;
+        let room = |remembers: bool| if remembers { bodies.id.len() } else { 0 };
+        let (linear, angular) = (room(I::REMEMBERS), room(I::REMEMBERS || clumps));
+        bodies.linear_memory.resize(linear, Record::default());
+        bodies.angular_memory.resize(angular, Record::default());
         self.state.pairs.sort_by_later(self.state.members.seats());
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.scratch.kept = Kept::All;

@@ -194,7 +194,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 let q = m.attitude[k];
                 q * ((q.conjugate() * w) * moments)
             };
-            b.angular_memory[k].set(memory);
+            if let Some(of_body) = b.angular_memory.get_mut(k) {
+                of_body.set(memory);
+            }
         }
     }
 }

@@ -21,6 +21,7 @@ use crate::contact_stage::CHUNK;
 use crate::neighbour::verlet_list::PairList;
 use crate::spheres::Seats;
 use crate::sums::PIECE;
+use crate::threads::NO_PLACE;
 use crate::world::StripYield;
 
 /// The strips of a list of pairs.
@@ -43,8 +44,10 @@ pub(crate) struct Strips {
     passed: Passed,
     /// Whether a piece is deferred.
     waits: Vec<bool>,
-    /// Whether the wrenches of a chunk are kept.
-    kept: Vec<bool>,
+    /// Where the wrenches of each chunk are kept, in chunks.
+    kept: Vec<u32>,
+    /// How many chunks are.
+    kept_chunks: usize,
     /// Share of the work of each strip; none before one was timed.
     shares: Vec<f64>,
     /// What each has taken since the list was cut, s.
@@ -173,12 +176,17 @@ impl Strips {
     /// Whether the wrenches of a chunk are kept.
     #[inline(always)]
     pub(crate) fn keep(&self, chunk: usize) -> bool {
-        self.kept[chunk]
+        self.kept[chunk] != NO_PLACE
     }
 
-    /// Chunks whose wrenches are kept.
-    pub(crate) fn kept(&self) -> impl Iterator<Item = usize> {
-        self.kept.iter().enumerate().filter(|(_, kept)| **kept).map(|(chunk, _)| chunk)
+    /// Where the wrenches of each chunk are kept, in chunks: side by side.
+    pub(crate) fn kept(&self) -> &[u32] {
+        &self.kept
+    }
+
+    /// Room that they need.
+    pub(crate) fn room(&self) -> usize {
+        self.kept_chunks * CHUNK
     }
 
     /// Cut a list of pairs of so many bodies.
@@ -249,11 +257,13 @@ impl Strips {
         self.left.reserve(pieces);
         self.deferred.extend((0..pieces as u32).filter(|&piece| self.waits[piece as usize]));
         self.kept.clear();
+        self.kept_chunks = 0;
         for chunk in 0..chunks {
             let waits = |piece: usize| self.waits.get(piece).copied().unwrap_or_default();
             let kept = touched(pairs, chunk, seats, pieces).any(waits)
                 && ends(pairs, chunk, seats).any(waits);
-            self.kept.push(kept);
+            self.kept.push(if kept { self.kept_chunks as u32 } else { NO_PLACE });
+            self.kept_chunks += usize::from(kept);
         }
     }
 

@@ -4,6 +4,7 @@
 //! come first), near pairs, walls. Touching pairs are summed in one of two ways, to the same bits: each
 //! contact adds to the ring as it is computed, or every contact keeps its wrench, and spheres find theirs.
 
+use crate::contact_stage::CHUNK;
 use crate::forces::Late;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
@@ -26,12 +27,29 @@ impl Pull {
     pub(crate) const ZERO: Self = Self { force: Record::ZERO, torque: Record::ZERO };
 }
 
+/// Wrenches of touching pairs that were kept.
+#[derive(Clone, Copy)]
+pub(crate) struct KeptWrenches<'a> {
+    pub(crate) pairs: &'a PairList,
+    /// Forces, torques on the bodies of first and of second spheres.
+    pub(crate) wrenches: [&'a [Record]; 3],
+    /// Where those of each chunk lie, in chunks, if not all are kept.
+    pub(crate) places: Option<&'a [u32]>,
+}
+
+impl KeptWrenches<'_> {
+    /// Where those of a pair lie.
+    #[inline(always)]
+    fn place(&self, pair: usize) -> usize {
+        self.places.map_or(pair, |places| places[pair / CHUNK] as usize * CHUNK + pair % CHUNK)
+    }
+}
+
 /// Where spheres find the wrenches that act on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Collect<'a> {
-    /// Touching pairs and their wrenches (forces, torques on the bodies of first and of second spheres), unless they are in the
-    /// sums already.
-    pub(crate) pairs: Option<(&'a PairList, [&'a [Record]; 3])>,
+    /// Those of touching pairs, unless they are in the sums already.
+    pub(crate) pairs: Option<KeptWrenches<'a>>,
     pub(crate) walls: &'a WallList,
     pub(crate) w: &'a Wrenches,
     pub(crate) late_ends: &'a LateEnds,
@@ -238,14 +256,15 @@ impl Collect<'_> {
             return;
         }
         let w = self.w;
-        if let Some((p, [forces, on_first, on_second])) = self.pairs {
+        if let Some(kept) = self.pairs {
+            let (p, [forces, on_first, on_second]) = (kept.pairs, kept.wrenches);
             // By tables, not by branches: which one is the first is a matter of chance.
             let torques = [on_first, on_second];
             let mut add = |pair: usize, sphere: u32, as_second: bool| {
-                let role = usize::from(as_second);
+                let (role, place) = (usize::from(as_second), kept.place(pair));
                 // The second sphere feels the opposite.
-                let force = forces[pair] * [1.0, -1.0][role];
-                to.add(sphere, &force, &torques[role][pair]);
+                let force = forces[place] * [1.0, -1.0][role];
+                to.add(sphere, &force, &torques[role][place]);
             };
             let later = p.later_start[begin] as usize..p.later_start[end] as usize;
             for &[pair, sphere] in &p.by_later[later] {

@@ -111,6 +111,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.room_for_yields(&pairs, &walls);
         s.moved.cover(count);
         // Nothing is kept of what touches.
+        if count > self.make.large {
+            s.keep_none(pairs.near_begin);
+        }
         s.kept = Kept::None;
         let mut bed = Bed {
             bodies: &mut bodies,

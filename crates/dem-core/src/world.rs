@@ -1,5 +1,7 @@
 //! The world: particles, walls, laws and time.
 
+mod kept;
+
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
@@ -25,6 +27,8 @@ use crate::strips::Strips;
 use crate::sums::{LateEnds, Ring};
 use crate::threads::Team;
 use crate::tier::Tier;
+
+pub(crate) use kept::{Kept, LARGE};
 
 /// State of everything that moves.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -137,6 +141,8 @@ pub(crate) struct Make<M> {
     pub(crate) overlap_limit: f64,
     /// Bodies beyond which a bed is far: no cache holds it.
     pub(crate) far: usize,
+    /// Bodies beyond which a bed is large: it gives memory back that it does not need at once.
+    pub(crate) large: usize,
     /// Wall whose turn displacements may be measured against.
     pub(crate) turning_wall: Option<usize>,
 }
@@ -226,17 +232,6 @@ pub(crate) struct Scratch {
     pub(crate) late_ends: LateEnds,
     /// Nearest points of meshes, by entry of the wall list.
     pub(crate) mesh_nearest: Vec<Option<crate::geometry::Nearest>>,
-}
-
-/// Of which touching pairs wrenches are kept.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) enum Kept {
-    /// Of none: the list has changed, or steps went in a sweep.
-    #[default]
-    None,
-    /// Of those that the strips of one pass keep.
-    Some,
-    All,
 }
 
 /// What one strip yields.

@@ -10,12 +10,12 @@
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const VARIABLE: &str = "GLIBC_TUNABLES";
 
-/// Ask for large pages. Blocks of less than 32 MiB (as much as it takes) lie side by side in heaps that are kept, so that small ones
-/// share pages; larger ones have some of their own. Heaps grow by 64 MiB, since those of threads would else grow by
-/// too little at a time for a page; what is not touched costs nothing.
+/// Ask for large pages. Blocks of less than 2 MiB lie side by side in heaps that are kept, so that small ones
+/// share pages; larger ones have some of their own, which go back to the system. Heaps grow by 16 MiB, since those of threads would
+/// else grow by too little at a time for a page, and by no more, since blocks of any size go where a heap has room.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-const TUNABLES: &str = "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:\
-                        glibc.malloc.trim_threshold=1073741824:glibc.malloc.top_pad=67108864";
+const TUNABLES: &str = "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=2097152:\
+                        glibc.malloc.trim_threshold=1073741824:glibc.malloc.top_pad=16777216";
 
 /// Start the program anew with large pages, where there are any and nobody has said otherwise.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

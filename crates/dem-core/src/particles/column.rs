@@ -103,6 +103,16 @@ impl<T> Column<T> {
         self.0.clear();
     }
 
+    /// Have room for so many in all, and for no more.
+    pub(crate) fn reserve(&mut self, length: usize) {
+        self.0.reserve_exact(length.saturating_sub(self.0.len()));
+    }
+
+    /// Whether so many fit in without more memory.
+    pub(crate) fn has_room(&self, length: usize) -> bool {
+        length <= self.0.capacity()
+    }
+
     /// Cut or fill up with a value.
     pub(crate) fn resize(&mut self, length: usize, value: T)
     where
@@ -112,13 +122,20 @@ impl<T> Column<T> {
             self.0.truncate(length);
             return;
         }
-        if self.0.is_empty() && length > self.0.capacity() {
-            // Nothing has to be kept: the old memory goes before more is asked for.
-            let capacity = length.max(2 * self.0.capacity());
+        if self.0.is_empty() {
+            self.make_empty(length);
+        }
+        self.0.resize(length, value);
+    }
+
+    /// Hold nothing, with room for so many: the old memory goes before more is asked for.
+    pub(crate) fn make_empty(&mut self, room: usize) {
+        self.clear();
+        if !self.has_room(room) {
+            let capacity = room.max(2 * self.0.capacity());
             self.0 = AVec::new(LINE);
             self.0 = AVec::with_capacity(LINE, capacity);
         }
-        self.0.resize(length, value);
     }
 
     /// Be of this length: what is there is of no account, and goes if more memory is needed.
@@ -126,7 +143,7 @@ impl<T> Column<T> {
     where
         T: Clone,
     {
-        if length > self.0.capacity() {
+        if !self.has_room(length) {
             self.clear();
         }
         self.resize(length, value);

@@ -295,6 +295,34 @@ impl<C: Cut> Cut for Chosen<'_, C> {
     }
 }
 
+/// Chunks of which only some have a part, which lie side by side.
+pub(crate) struct Packed<'s, C> {
+    of: C,
+    places: &'s [u32],
+}
+
+/// The place of a chunk that has no part.
+pub(crate) const NO_PLACE: u32 = u32::MAX;
+
+/// Chunk `k` has the part `places[k]`, an empty one at [`NO_PLACE`]; those that have one lie in the order of the chunks.
+pub(crate) fn packed<C: Cut>(of: C, places: &[u32]) -> Packed<'_, C> {
+    let own = places.iter().filter(|place| **place != NO_PLACE);
+    assert!(own.is_sorted_by(|a, b| a < b), "two chunks have one part");
+    Packed { of, places }
+}
+
+impl<C: Cut> Cut for Packed<'_, C> {
+    type Part = C::Part;
+
+    #[inline(always)]
+    unsafe fn part(&self, k: usize) -> C::Part {
+        // Beyond the end parts are empty.
+        let place = self.places.get(k).copied().unwrap_or(NO_PLACE);
+        // SAFETY: no part belongs to two chunks, and empty ones are nobody's.
+        unsafe { self.of.part(place as usize) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -323,6 +351,13 @@ mod tests {
         assert_eq!(sums, [60; 3]);
         let expected = |k: u64| if [1, 5].contains(&(k / 10)) { k } else { k + 1000 };
         assert!((0..70).zip(&numbers).all(|(k, x)| *x == expected(k)));
+        let places = [NO_PLACE, 0, NO_PLACE, 2];
+        team.each(5, packed(cut(&mut numbers, 10), &places), |k, part| {
+            assert_eq!(part.len(), if [1, 3].contains(&k) { 10 } else { 0 });
+            part.fill(k as u64);
+        });
+        let begins = [0, 10, 20].map(|k| numbers[k]);
+        assert_eq!(begins, [1, 10, 3]);
         let which = [1, 5];
         let part = chosen(cut(&mut numbers, 10), &which);
         team.each(2, part, |_, chunk| chunk.fill(7));
