@@ -1,7 +1,7 @@
 //! A run of bodies, column by column.
 
 use crate::integrate::Integrator;
-use crate::particles::{Bodies, Record};
+use crate::particles::{Bodies, END, MEAN, Record};
 use crate::simd::Quad;
 use crate::spheres::{ClumpView, SphereView};
 use crate::threads::{Chunks, View, cut};
@@ -15,48 +15,45 @@ pub(crate) struct Run<'a> {
     pub(crate) spin: &'a mut [Record],
     pub(crate) acceleration: &'a mut [Record],
     pub(crate) angular: &'a mut [Record],
-    pub(crate) mean_velocity: &'a mut [Record],
-    pub(crate) end_velocity: &'a mut [Record],
+    /// Two of each body: mean ones, and those at the end of the step.
+    pub(crate) velocities: &'a mut [[Record; 2]],
     pub(crate) mean_spin: &'a mut [Record],
     pub(crate) linear: &'a mut [Record],
     pub(crate) turn: &'a mut [Record],
 }
 
 /// The records of a run of bodies: those that contacts read first, in the order of [`cut_bodies`].
-pub(crate) type Columns<'a> = [&'a mut [Record]; 10];
+pub(crate) type Columns<'a> = [&'a mut [Record]; 9];
 
 /// Which of [`cut_bodies`] are the spins.
-pub(crate) const SPIN: usize = 5;
+pub(crate) const SPIN: usize = 4;
 
 /// Cut the bodies into runs of `size`.
-pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 10] {
+pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 9] {
     [
-        &mut b.position,
-        &mut b.mean_velocity,
-        &mut b.mean_spin,
-        &mut b.end_velocity,
-        &mut b.velocity,
-        &mut b.spin,
-        &mut b.acceleration,
-        &mut b.angular_acceleration,
-        &mut b.linear_memory,
-        &mut b.angular_memory,
+        cut(&mut b.position, size),
+        cut(&mut b.velocities, 2 * size),
+        cut(&mut b.mean_spin, size),
+        cut(&mut b.velocity, size),
+        cut(&mut b.spin, size),
+        cut(&mut b.acceleration, size),
+        cut(&mut b.angular_acceleration, size),
+        cut(&mut b.linear_memory, size),
+        cut(&mut b.angular_memory, size),
     ]
-    .map(|column| cut(column, size))
 }
 
 impl<'a> SphereView<'a> {
     /// What contacts read of bodies, while others are written, which are spheres or have theirs in `clumps`.
     pub(crate) fn of_columns(
-        columns: &[Chunks<'a, Record>; 10],
+        columns: &[Chunks<'a, Record>; 9],
         clumps: Option<(View<'a, Record>, ClumpView<'a>)>,
     ) -> Self {
-        let [position, mean_velocity, mean_spin, end_velocity, ..] = columns;
+        let [position, velocities, mean_spin, ..] = columns;
         SphereView {
             position: clumps.map_or(position.view(), |(spheres, _)| spheres),
-            mean_velocity: mean_velocity.view(),
+            velocities: velocities.view(),
             mean_spin: mean_spin.view(),
-            end_velocity: end_velocity.view(),
             clumps: clumps.map(|(_, clumps)| clumps),
         }
     }
@@ -66,18 +63,8 @@ impl<'a> Run<'a> {
     /// The run that begins at place `begin`, of its columns in the order of [`cut_bodies`].
     #[inline(always)]
     pub(crate) fn of(begin: usize, columns: Columns<'a>) -> Self {
-        let [
-            position,
-            mean_velocity,
-            mean_spin,
-            end_velocity,
-            velocity,
-            spin,
-            acceleration,
-            angular,
-            linear,
-            turn,
-        ] = columns;
+        let [position, velocities, mean_spin, velocity, spin, acceleration, angular, linear, turn] =
+            columns;
         Run {
             begin,
             position,
@@ -85,8 +72,7 @@ impl<'a> Run<'a> {
             spin,
             acceleration,
             angular,
-            mean_velocity,
-            end_velocity,
+            velocities: velocities.as_chunks_mut().0,
             mean_spin,
             linear,
             turn,
@@ -100,8 +86,8 @@ impl<'a> Run<'a> {
 
     /// Move all back by what they have moved last.
     pub(crate) fn undo_drift(&mut self, dt: f64) {
-        for (x, v) in self.position.iter_mut().zip(&*self.mean_velocity) {
-            x.add(v.vector() * -dt);
+        for (x, v) in self.position.iter_mut().zip(&*self.velocities) {
+            x.add(v[MEAN].vector() * -dt);
         }
     }
 
@@ -110,7 +96,7 @@ impl<'a> Run<'a> {
     pub(crate) fn recall(&mut self, dt: f64) {
         let run = self.even();
         for k in 0..run.position.len() {
-            let (mean, end) = (run.mean_velocity[k].vector(), run.end_velocity[k].vector());
+            let (mean, end) = (run.velocities[k][MEAN].vector(), run.velocities[k][END].vector());
             run.velocity[k].set(2.0 * mean - end);
             run.acceleration[k].set((end - mean) * (2.0 / dt));
             let mean = run.mean_spin[k].vector();
@@ -129,8 +115,7 @@ impl<'a> Run<'a> {
             spin: &mut self.spin[own.clone()],
             acceleration: &mut self.acceleration[own.clone()],
             angular: &mut self.angular[own.clone()],
-            mean_velocity: &mut self.mean_velocity[own.clone()],
-            end_velocity: &mut self.end_velocity[own.clone()],
+            velocities: &mut self.velocities[own.clone()],
             mean_spin: &mut self.mean_spin[own.clone()],
             linear: self.linear.get_mut(own.clone()).unwrap_or_default(),
             turn: self.turn.get_mut(own).unwrap_or_default(),
@@ -148,8 +133,7 @@ impl<'a> Run<'a> {
             spin: &mut self.spin[..n],
             acceleration: &mut self.acceleration[..n],
             angular: &mut self.angular[..n],
-            mean_velocity: &mut self.mean_velocity[..n],
-            end_velocity: &mut self.end_velocity[..n],
+            velocities: &mut self.velocities[..n],
             mean_spin: &mut self.mean_spin[..n],
             linear: &mut *self.linear,
             turn: &mut *self.turn,

@@ -11,7 +11,7 @@ use crate::contact_stage::CHUNK;
 use crate::energy::Flow;
 use crate::integrate::Integrator;
 use crate::list::Turn;
-use crate::particles::Record;
+use crate::particles::{END, MEAN, Record};
 use crate::simd::{Quad, Quads, RecordWork, on_records};
 use crate::spheres::Seats;
 use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Seated};
@@ -211,7 +211,7 @@ impl<M> Kick<'_, M> {
             let Pull { mut force, torque } = std::mem::take(sum);
             let mass = run.velocity[k].w;
             if let Some(drag) = &self.make.drag {
-                let v = run.end_velocity[k].vector();
+                let v = run.velocities[k][END].vector();
                 let resistance = drag.force(mass, run.position[k].w, v);
                 force.add(resistance);
                 flow.drag -= resistance.dot(v);
@@ -231,7 +231,7 @@ impl<M> Kick<'_, M> {
                 continue;
             }
             let mut memory = remembered::<Q, I>(run.linear, k);
-            let (velocity, mean) = (Q::load(&run.velocity[k]), Q::load(&run.mean_velocity[k]));
+            let (velocity, mean) = (Q::load(&run.velocity[k]), Q::load(&run.velocities[k][MEAN]));
             let v = integrator.kick(velocity, mean, old, new, &mut memory, dt);
             v.with_scalar_of(velocity).store(&mut run.velocity[k]);
             remember::<Q, I>(run.linear, k, memory);
@@ -272,8 +272,8 @@ impl<M> Kick<'_, M> {
         self.collect.spheres(begin, begin + count, sums);
         if let Some(drag) = &self.make.drag {
             for (k, sum) in sums.iter_mut().enumerate().take(count) {
-                let v = run.end_velocity[k].vector();
-                let resistance = drag.force(run.mean_velocity[k].w, run.position[k].w, v);
+                let v = run.velocities[k][END].vector();
+                let resistance = drag.force(run.velocities[k][MEAN].w, run.position[k].w, v);
                 sum.force.add(resistance);
                 flow.drag -= resistance.dot(v);
             }
@@ -317,8 +317,7 @@ impl<M> Kick<'_, M> {
             let [force, torque] = W::take(&mut sums[k..]);
             // All is read before anything is written: columns often begin at the same place of a page, and some
             // processors take what is read for what has just been written at the same place of another page.
-            let mean = W::load_some(&run.mean_velocity[k..]);
-            let end = W::load_some(&run.end_velocity[k..]);
+            let [mean, end] = W::load_twos(&run.velocities[k..]);
             let position = W::load_some(&run.position[k..]);
             let then = W::load_some(&reference[k..]);
             let old = W::load_some(&run.spin[k..]);
@@ -337,8 +336,8 @@ impl<M> Kick<'_, M> {
             let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(old) };
             let w = integrator.kick(old, mean_spin, none, a, &mut { none }, dt);
             let turn = integrator.drift(w, a, &mut { none }, dt);
-            d.mean_velocity.store_some(&mut run.mean_velocity[k..]);
-            d.end_velocity.with_scalars_of(end).store_some(&mut run.end_velocity[k..]);
+            let end = d.end_velocity.with_scalars_of(end);
+            W::store_twos([d.mean_velocity, end], &mut run.velocities[k..]);
             position.store_some(&mut run.position[k..]);
             w.with_scalars_of(old).store_some(&mut run.spin[k..]);
             turn.mean_velocity.store_some(&mut run.mean_spin[k..]);
@@ -378,10 +377,10 @@ impl Drift<'_> {
             let position = Q::load(&run.position[k]);
             let position = position.plus_times(d.mean_velocity, dt).with_scalar_of(position);
             position.store(&mut run.position[k]);
-            let old = Q::load(&run.mean_velocity[k]);
-            d.mean_velocity.with_scalar_of(old).store(&mut run.mean_velocity[k]);
-            let old = Q::load(&run.end_velocity[k]);
-            d.end_velocity.with_scalar_of(old).store(&mut run.end_velocity[k]);
+            let old = Q::load(&run.velocities[k][MEAN]);
+            d.mean_velocity.with_scalar_of(old).store(&mut run.velocities[k][MEAN]);
+            let old = Q::load(&run.velocities[k][END]);
+            d.end_velocity.with_scalar_of(old).store(&mut run.velocities[k][END]);
             // A clump has no single moment of inertia: it turns elsewhere.
             if run.spin[k].w > 0.0 {
                 let mut memory = remembered::<Q, I>(run.turn, k);

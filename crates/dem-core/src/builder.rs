@@ -18,7 +18,7 @@ use crate::integrate::{Integrator, VelocityVerlet};
 use crate::material::{Material, MaterialId, PairTable};
 use crate::neighbour::Period;
 use crate::noncontact::NonContactForce;
-use crate::particles::{Column, ParticleId, Record, Sphere};
+use crate::particles::{Column, END, ParticleId, Record, Sphere};
 use crate::rigid::{Clump, PlacedClump};
 use crate::simd::{Arithmetic, Level};
 use crate::sweep::FAR;
@@ -486,7 +486,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 }
             };
             if let Some(&charge) = self.charges.get(&id.0) {
-                state.bodies.end_velocity[id.0 as usize].w = charge;
+                state.bodies.velocities[2 * id.0 as usize + END].w = charge;
             }
             let position = state.bodies.position[id.0 as usize].vector();
             let inside = position.cmpge(domain[0]).all() && position.cmple(domain[1]).all();

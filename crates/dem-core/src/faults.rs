@@ -82,7 +82,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     fn radii_per_step(&self, body: usize) -> f64 {
         let b = &self.state.bodies;
-        b.mean_velocity[body].vector().length() * self.make.dt / b.position[body].w
+        b.mean_velocity(body).vector().length() * self.make.dt / b.position[body].w
     }
 
     /// A partner with which the body was last in contact.

@@ -408,9 +408,8 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 let spheres = gone.asked[0].max(gone.reach.saturating_sub(AHEAD))..touched;
                 fetch(s.position, spheres.clone());
                 if let Some(own) = self.far {
-                    for records in [s.mean_velocity, s.mean_spin, s.end_velocity] {
-                        fetch(records, spheres.clone());
-                    }
+                    fetch(s.mean_spin, spheres.clone());
+                    fetch(s.velocities, 2 * spheres.start..2 * spheres.end);
                     for records in own {
                         let begin = gone.asked[1].max(finished.saturating_sub(2 * AHEAD));
                         fetch(records, begin..finished);

@@ -77,6 +77,12 @@ impl Record {
         Self { x: v.x, y: v.y, z: v.z, w }
     }
 
+    /// The same number four times.
+    #[inline(always)]
+    pub(crate) fn splat(number: f64) -> Self {
+        Self { x: number, y: number, z: number, w: number }
+    }
+
     #[inline(always)]
     pub(crate) fn vector(&self) -> DVec3 {
         DVec3::new(self.x, self.y, self.z)
@@ -135,6 +141,10 @@ impl std::ops::Mul<f64> for Record {
 
 impl crate::integrate::Vector for Record {}
 
+/// Which of the velocities of a body is which.
+pub(crate) const MEAN: usize = 0;
+pub(crate) const END: usize = 1;
+
 /// State of all bodies in storage order.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -151,12 +161,11 @@ pub(crate) struct Bodies {
     pub(crate) acceleration: Column<Record>,
     /// Angular acceleration of spheres; torque on clumps, N m.
     pub(crate) angular_acceleration: Column<Record>,
-    /// Velocity averaged over the last step (its displacement over its duration), and mass.
-    pub(crate) mean_velocity: Column<Record>,
+    /// Two of each body, so that both lie in one line of the cache: velocity averaged over the last step (its displacement over its
+    /// duration), and mass; velocity that the last forces foretold for the end of the step, and charge.
+    pub(crate) velocities: Column<Record>,
     /// Angular velocity averaged likewise, and material number.
     pub(crate) mean_spin: Column<Record>,
-    /// Velocity that the last forces foretold for the end of the step, and charge.
-    pub(crate) end_velocity: Column<Record>,
     /// What the integrator remembers of the translation and of the rotation (of a clump: its angular momentum); empty if
     /// nothing.
     pub(crate) linear_memory: Column<Record>,
@@ -170,25 +179,36 @@ impl Bodies {
         self.id.len()
     }
 
+    /// Velocity averaged over the last step, and mass.
+    #[inline(always)]
+    pub(crate) fn mean_velocity(&self, body: usize) -> &Record {
+        &self.velocities[2 * body + MEAN]
+    }
+
+    /// Velocity foretold for the end of the step, and charge.
+    #[inline(always)]
+    pub(crate) fn end_velocity(&self, body: usize) -> &Record {
+        &self.velocities[2 * body + END]
+    }
+
     /// Have room for so many bodies.
     pub(crate) fn reserve(&mut self, bodies: usize) {
         for names in [&mut self.id, &mut self.place] {
             names.reserve_exact(bodies.saturating_sub(names.len()));
         }
         self.columns().into_iter().for_each(|column| column.reserve(bodies));
+        self.velocities.reserve(2 * bodies);
     }
 
-    /// What is known of every body, record by record.
-    fn columns(&mut self) -> [&mut Column<Record>; 10] {
+    /// What is known of every body, a record each: all but velocities.
+    fn columns(&mut self) -> [&mut Column<Record>; 8] {
         [
             &mut self.position,
             &mut self.velocity,
             &mut self.spin,
             &mut self.acceleration,
             &mut self.angular_acceleration,
-            &mut self.mean_velocity,
             &mut self.mean_spin,
-            &mut self.end_velocity,
             &mut self.linear_memory,
             &mut self.angular_memory,
         ]
@@ -210,9 +230,9 @@ impl Bodies {
         self.position.push(Record::new(position, bounding_radius));
         self.velocity.push(Record::new(velocity, mass));
         self.spin.push(Record::new(spin, moment));
-        self.mean_velocity.push(Record::new(velocity, mass));
+        self.velocities.push(Record::new(velocity, mass));
+        self.velocities.push(Record::new(velocity, 0.0));
         self.mean_spin.push(Record::new(spin, f64::from(material.0)));
-        self.end_velocity.push(Record::new(velocity, 0.0));
         for v in [
             &mut self.acceleration,
             &mut self.angular_acceleration,
@@ -237,6 +257,20 @@ impl Bodies {
                 }
             });
             std::mem::swap(v, scratch);
+        }
+        for of_two in [MEAN, END] {
+            let v = &mut self.velocities;
+            team.each(order.len().div_ceil(PART), cut(scratch, PART), |c, to| {
+                for (to, &from) in to.iter_mut().zip(&order[part(c, order.len())]) {
+                    *to = v[2 * from as usize + of_two];
+                }
+            });
+            team.each(order.len().div_ceil(PART), cut(v, 2 * PART), |c, to| {
+                let to = to.as_chunks_mut::<2>().0;
+                for (to, from) in to.iter_mut().zip(&scratch[part(c, order.len())]) {
+                    to[of_two] = *from;
+                }
+            });
         }
         // `place` still holds where each name was: use it as scratch for the names.
         let old_ids = &mut self.place;

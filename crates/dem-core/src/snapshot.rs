@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::forces::{Late, Wrench};
 use crate::geometry::{Motion, MotionState, PlacedWall, Pose, Rotation, Vibration};
 use crate::integrate::Integrator;
-use crate::particles::{Column, Record};
+use crate::particles::{Column, END, MEAN, Record};
 use crate::world::{Kept, State, World, Wrenches};
 
 /// The state of a world at the end of a step.
@@ -215,20 +215,23 @@ impl Snapshot {
         let b = &mut s.bodies;
         v.visit(&mut b.id);
         v.visit(&mut b.place);
+        let of_two = |which: usize| b.velocities.iter().skip(which).step_by(2).copied().collect();
+        let (mut mean, mut end): (Column<Record>, Column<Record>) = (of_two(MEAN), of_two(END));
         for x in [
             &mut b.position,
             &mut b.velocity,
             &mut b.spin,
             &mut b.acceleration,
             &mut b.angular_acceleration,
-            &mut b.mean_velocity,
+            &mut mean,
             &mut b.mean_spin,
-            &mut b.end_velocity,
+            &mut end,
             &mut b.linear_memory,
             &mut b.angular_memory,
         ] {
             v.visit(x);
         }
+        b.velocities = mean.iter().zip(&end).flat_map(|(mean, end)| [*mean, *end]).collect();
         let m = &mut s.members;
         for x in [&mut m.id, &mut m.body, &mut m.first, &mut m.shape, &mut m.first_id] {
             v.visit(x);

@@ -370,7 +370,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// Electric charge, C.
     pub fn charge(&self, particle: ParticleId) -> f64 {
-        self.state.bodies.end_velocity[self.place(particle)].w
+        self.state.bodies.end_velocity(self.place(particle)).w
     }
 
     /// Set a particle's velocity (m/s) and angular velocity (rad/s).
@@ -587,9 +587,8 @@ pub(crate) fn sphere_view<'a>(
     let view = ClumpView { body: &m.body, centre, end_spin, dt };
     SphereView {
         position: if clumps { m.position[..].into() } else { b.position[..].into() },
-        mean_velocity: b.mean_velocity[..].into(),
+        velocities: b.velocities[..].into(),
         mean_spin: b.mean_spin[..].into(),
-        end_velocity: b.end_velocity[..].into(),
         clumps: clumps.then_some(view),
     }
 }

@@ -53,6 +53,16 @@ unsafe fn two_quads<const EACH: usize>(from: *const f64, at: [u32; 2]) -> __m512
     }
 }
 
+/// Two quads that follow each other from twice a place on.
+///
+/// # Safety
+/// AVX-512 is there and the numbers of both can be read.
+#[inline(always)]
+unsafe fn both(from: *const f64, at: u32) -> __m512d {
+    // SAFETY: by the caller.
+    unsafe { _mm512_loadu_pd(from.add(2 * at as usize)) }
+}
+
 /// `(1 / sqrt(1 - e) - 1) / e` for small `e`.
 ///
 /// # Safety
@@ -419,7 +429,7 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
     }
     #[inline(always)]
     unsafe fn of_spheres(
-        [position, velocity, end, spin]: [*const f64; 4],
+        [position, velocities, spin]: [*const f64; 3],
         first: &[u32; 8],
         second: &[u32; 8],
     ) -> [V3<Self>; 5] {
@@ -432,9 +442,11 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
                 for (k, (i, j)) in [k, k + 1].into_iter().zip(i.into_iter().zip(j)) {
                     row[0][k] =
                         _mm512_sub_pd(two_quads::<1>(position, j), two_quads::<1>(position, i));
-                    row[1][k] =
-                        _mm512_sub_pd(two_quads::<1>(velocity, i), two_quads::<1>(velocity, j));
-                    row[2][k] = _mm512_sub_pd(two_quads::<1>(end, i), two_quads::<1>(end, j));
+                    // Both velocities of a body are one register.
+                    let low = _mm512_sub_pd(both(velocities, i[0]), both(velocities, j[0]));
+                    let high = _mm512_sub_pd(both(velocities, i[1]), both(velocities, j[1]));
+                    row[1][k] = _mm512_shuffle_f64x2::<0x44>(low, high);
+                    row[2][k] = _mm512_shuffle_f64x2::<0xEE>(low, high);
                     row[3][k] = two_quads::<1>(spin, i);
                     row[4][k] = two_quads::<1>(spin, j);
                 }
@@ -532,8 +544,8 @@ impl<const FUSED: bool, const FAST: bool> Group<8> for Wide<FUSED, FAST> {
         mask
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, at: &[u32; 8]) -> [Self; 4] {
-        unsafe { <Self as Lanes>::quads::<1>(from, at) }
+    unsafe fn quads<const EACH: usize>(from: *const f64, at: &[u32; 8]) -> [Self; 4] {
+        unsafe { <Self as Lanes>::quads::<EACH>(from, at) }
     }
     #[inline(always)]
     unsafe fn put_used(v: V3<Self>, scalar: Self, used: u8, to: *mut f64, at: &[u32; 8]) {

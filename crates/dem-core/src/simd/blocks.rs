@@ -46,7 +46,7 @@ pub(super) trait Blocks: Numbers {
     /// # Safety
     /// All of them can be read.
     unsafe fn of_spheres(
-        from: [*const f64; 4],
+        from: [*const f64; 3],
         first: &[[u32; 8]],
         second: &[[u32; 8]],
     ) -> [V3<Self>; 5];
@@ -104,7 +104,7 @@ impl<V: Lanes> Blocks for V {
     }
     #[inline(always)]
     unsafe fn of_spheres(
-        from: [*const f64; 4],
+        from: [*const f64; 3],
         first: &[[u32; 8]],
         second: &[[u32; 8]],
     ) -> [V3<Self>; 5] {
@@ -315,7 +315,7 @@ impl<V: Lanes> Blocks for Two<V> {
     }
     #[inline(always)]
     unsafe fn of_spheres(
-        from: [*const f64; 4],
+        from: [*const f64; 3],
         first: &[[u32; 8]],
         second: &[[u32; 8]],
     ) -> [V3<Self>; 5] {

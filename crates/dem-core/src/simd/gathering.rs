@@ -96,7 +96,7 @@ pub(super) unsafe fn remembered<V: Group<N>, const N: usize>(
     at: &[u32; N],
 ) -> Remembered<V> {
     // SAFETY: by the caller.
-    let [x, y, z, stiffness] = unsafe { V::quads(from, at) };
+    let [x, y, z, stiffness] = unsafe { V::quads::<1>(from, at) };
     Remembered { spring: V3 { x, y, z }, stiffness }
 }
 
@@ -122,15 +122,16 @@ impl PairKernel<'_> {
     ) {
         let s = &self.spheres;
         let position = s.position.as_ptr().cast();
-        let velocity = s.mean_velocity.as_ptr().cast();
-        let end = s.end_velocity.as_ptr().cast();
+        let velocity: *const f64 = s.velocities.as_ptr().cast();
+        // Behind the mean one.
+        let end = velocity.wrapping_add(4);
         let spin = s.mean_spin.as_ptr().cast();
         let groups = batch.first.iter().zip(batch.second).zip(batch.pair);
         for (g, ((i, j), pair)) in groups.enumerate().take(GROUPS) {
             // SAFETY: by the caller.
             unsafe {
                 if ALIKE {
-                    let mut apart = Half::differences(position, j, i);
+                    let mut apart = Half::differences::<1>(position, j, i);
                     if let Some(p) = self.period {
                         apart = apart.shortest(p);
                     }
@@ -138,14 +139,15 @@ impl PairKernel<'_> {
                     let to = to.given[g].as_mut_ptr();
                     (&raw mut (*to).apart).write(apart);
                     (&raw mut (*to).old).write(remembered(memory, pair));
-                    (&raw mut (*to).approach).write(Half::differences(velocity, i, j));
-                    (&raw mut (*to).end).write(Half::differences(end, i, j));
-                    (&raw mut (*to).spins[0]).write(V3::of(Half::quads(spin, i)));
-                    (&raw mut (*to).spins[1]).write(V3::of(Half::quads(spin, j)));
+                    let [approach, end] = Half::differences_of_twos(velocity, i, j);
+                    (&raw mut (*to).approach).write(approach);
+                    (&raw mut (*to).end).write(end);
+                    (&raw mut (*to).spins[0]).write(V3::of(Half::quads::<1>(spin, i)));
+                    (&raw mut (*to).spins[1]).write(V3::of(Half::quads::<1>(spin, j)));
                     continue;
                 }
                 let old = remembered(memory, pair);
-                let (xi, xj) = (Half::quads(position, i), Half::quads(position, j));
+                let (xi, xj) = (Half::quads::<1>(position, i), Half::quads::<1>(position, j));
                 let mut apart = V3::of(xj) - V3::of(xi);
                 if let Some(p) = self.period {
                     apart = apart.shortest(p);
@@ -158,9 +160,10 @@ impl PairKernel<'_> {
                     to.seated[g].write(Seated { bodies, arms: [a.arm, b.arm] });
                     (a.mean, b.mean, a.end - b.end, [a.spin, b.spin])
                 } else {
-                    let end = Half::differences(end, i, j);
-                    let spins = [V3::of(Half::quads(spin, i)), V3::of(Half::quads(spin, j))];
-                    (Half::quads(velocity, i), Half::quads(velocity, j), end, spins)
+                    let end = Half::differences::<2>(end, i, j);
+                    let spins =
+                        [V3::of(Half::quads::<1>(spin, i)), V3::of(Half::quads::<1>(spin, j))];
+                    (Half::quads::<2>(velocity, i), Half::quads::<2>(velocity, j), end, spins)
                 };
                 let radii = [xi[3], xj[3]];
                 let reduced =
@@ -186,11 +189,12 @@ impl PairKernel<'_> {
         let s = &self.spheres;
         // SAFETY: by the caller.
         unsafe {
-            let arm = position - V3::of(Half::quads(c.centre.as_ptr().cast(), bodies));
-            let v = Half::quads(s.mean_velocity.as_ptr().cast(), bodies);
-            let spin = V3::of(Half::quads(s.mean_spin.as_ptr().cast(), bodies));
-            let end = V3::of(Half::quads(s.end_velocity.as_ptr().cast(), bodies));
-            let end_spin = V3::of(Half::quads(c.end_spin.as_ptr().cast(), bodies));
+            let arm = position - V3::of(Half::quads::<1>(c.centre.as_ptr().cast(), bodies));
+            let velocities: *const f64 = s.velocities.as_ptr().cast();
+            let v = Half::quads::<2>(velocities, bodies);
+            let spin = V3::of(Half::quads::<1>(s.mean_spin.as_ptr().cast(), bodies));
+            let end = V3::of(Half::quads::<2>(velocities.add(4), bodies));
+            let end_spin = V3::of(Half::quads::<1>(c.end_spin.as_ptr().cast(), bodies));
             let [mean, end] = on_arm(arm, [V3::of(v), spin], [end, end_spin], c.dt);
             OnClump { arm, mean: [mean.x, mean.y, mean.z, v[3]], spin, end }
         }
@@ -204,9 +208,8 @@ impl PairKernel<'_> {
         let clumps = if MORE { s.clumps.as_ref() } else { None };
         for (sphere, pair) in group[0].iter().zip(group[1]) {
             let body = clumps.map_or(*sphere, |c| 4 * c.body[(*sphere / 4) as usize]);
-            for from in [s.mean_velocity, s.mean_spin, s.end_velocity] {
-                ask_for(from.as_ptr().cast(), body);
-            }
+            ask_for(s.mean_spin.as_ptr().cast(), body);
+            ask_for(s.velocities.as_ptr().cast(), 2 * body);
             if let Some(c) = clumps {
                 ask_for(c.centre.as_ptr().cast(), body);
                 ask_for(c.end_spin.as_ptr().cast(), body);

@@ -11,11 +11,11 @@ pub(super) trait Group<const N: usize>: Numbers + From<[f64; N]> {
     fn each(self) -> [f64; N];
     /// One bit a lane.
     fn bits(mask: Self::Mask) -> u8;
-    /// Four numbers from each of some places on, one vector for each of the four.
+    /// Four numbers from `EACH` times each of some places on, one vector for each of the four.
     ///
     /// # Safety
     /// The instructions are there and all numbers can be read.
-    unsafe fn quads(from: *const f64, at: &[u32; N]) -> [Self; 4];
+    unsafe fn quads<const EACH: usize>(from: *const f64, at: &[u32; N]) -> [Self; 4];
     /// Put records there, and nothing for lanes that are not `used`.
     ///
     /// # Safety

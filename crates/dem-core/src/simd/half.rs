@@ -161,20 +161,48 @@ impl<const FUSED: bool> From<[f64; 4]> for Half<FUSED> {
 }
 
 impl<const FUSED: bool> Half<FUSED> {
-    /// The vectors of four records, less those of four others, whose numbers begin there.
+    /// The vectors of four records, less those of four others, whose numbers begin at `EACH` times that.
     ///
     /// # Safety
     /// AVX2 is there and all of them can be read.
     #[inline(always)]
-    pub(super) unsafe fn differences(from: *const f64, of: &[u32; 4], less: &[u32; 4]) -> V3<Self> {
+    pub(super) unsafe fn differences<const EACH: usize>(
+        from: *const f64,
+        of: &[u32; 4],
+        less: &[u32; 4],
+    ) -> V3<Self> {
         // SAFETY: by the caller.
         unsafe {
-            let a = _mm256_sub_pd(quad::<1>(from, of[0]), quad::<1>(from, less[0]));
-            let b = _mm256_sub_pd(quad::<1>(from, of[1]), quad::<1>(from, less[1]));
-            let c = _mm256_sub_pd(quad::<1>(from, of[2]), quad::<1>(from, less[2]));
-            let d = _mm256_sub_pd(quad::<1>(from, of[3]), quad::<1>(from, less[3]));
+            let a = _mm256_sub_pd(quad::<EACH>(from, of[0]), quad::<EACH>(from, less[0]));
+            let b = _mm256_sub_pd(quad::<EACH>(from, of[1]), quad::<EACH>(from, less[1]));
+            let c = _mm256_sub_pd(quad::<EACH>(from, of[2]), quad::<EACH>(from, less[2]));
+            let d = _mm256_sub_pd(quad::<EACH>(from, of[3]), quad::<EACH>(from, less[3]));
             let [x, y, z, _] = transpose(a, b, c, d);
             V3 { x: Self(x), y: Self(y), z: Self(z) }
+        }
+    }
+
+    /// The vectors of four pairs of records, first and second ones, less those of four other pairs, whose numbers begin at twice
+    /// that.
+    ///
+    /// # Safety
+    /// AVX2 is there and all of them can be read.
+    #[inline(always)]
+    pub(super) unsafe fn differences_of_twos(
+        from: *const f64,
+        of: &[u32; 4],
+        less: &[u32; 4],
+    ) -> [V3<Self>; 2] {
+        // SAFETY: by the caller.
+        unsafe {
+            let a = two_less(from, of[0], less[0]);
+            let b = two_less(from, of[1], less[1]);
+            let c = two_less(from, of[2], less[2]);
+            let d = two_less(from, of[3], less[3]);
+            let [x, y, z, _] = transpose(a[0], b[0], c[0], d[0]);
+            let first = V3 { x: Self(x), y: Self(y), z: Self(z) };
+            let [x, y, z, _] = transpose(a[1], b[1], c[1], d[1]);
+            [first, V3 { x: Self(x), y: Self(y), z: Self(z) }]
         }
     }
 
@@ -190,6 +218,20 @@ impl<const FUSED: bool> Half<FUSED> {
                 _mm256_and_pd(scalar.0, used.0),
             )
         }
+    }
+}
+
+/// Both records of a pair less those of another one, which begin at twice these places.
+///
+/// # Safety
+/// AVX2 is there and all of them can be read.
+#[inline(always)]
+unsafe fn two_less(from: *const f64, of: u32, less: u32) -> [__m256d; 2] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (of, less) = (from.add(2 * of as usize), from.add(2 * less as usize));
+        let first = _mm256_sub_pd(_mm256_loadu_pd(of), _mm256_loadu_pd(less));
+        [first, _mm256_sub_pd(_mm256_loadu_pd(of.add(4)), _mm256_loadu_pd(less.add(4)))]
     }
 }
 
@@ -210,10 +252,10 @@ impl<const FUSED: bool> Group<4> for Half<FUSED> {
         mask.bits()
     }
     #[inline(always)]
-    unsafe fn quads(from: *const f64, at: &[u32; 4]) -> [Self; 4] {
+    unsafe fn quads<const EACH: usize>(from: *const f64, at: &[u32; 4]) -> [Self; 4] {
         unsafe {
-            let row = [quad::<1>(from, at[0]), quad::<1>(from, at[1])];
-            let more = [quad::<1>(from, at[2]), quad::<1>(from, at[3])];
+            let row = [quad::<EACH>(from, at[0]), quad::<EACH>(from, at[1])];
+            let more = [quad::<EACH>(from, at[2]), quad::<EACH>(from, at[3])];
             let [x, y, z, w] = transpose(row[0], row[1], more[0], more[1]);
             [Self(x), Self(y), Self(z), Self(w)]
         }

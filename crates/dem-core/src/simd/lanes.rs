@@ -182,15 +182,15 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// All of them can be read.
     #[inline(always)]
     unsafe fn of_spheres(
-        [position, velocity, end, spin]: [*const f64; 4],
+        [position, velocities, spin]: [*const f64; 3],
         first: &[u32; 8],
         second: &[u32; 8],
     ) -> [V3<Self>; 5] {
         // SAFETY: by the caller.
         unsafe {
             let apart = V3::of(Self::differences::<1>(position, second, first));
-            let approach = V3::of(Self::differences::<1>(velocity, first, second));
-            let end = V3::of(Self::differences::<1>(end, first, second));
+            let approach = V3::of(Self::differences::<2>(velocities, first, second));
+            let end = V3::of(Self::differences::<2>(velocities.add(4), first, second));
             let spins = [Self::quads::<1>(spin, first), Self::quads::<1>(spin, second)];
             [apart, approach, end, V3::of(spins[0]), V3::of(spins[1])]
         }
@@ -231,6 +231,19 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
         debug_assert!(places.iter().all(|p| (*p as usize) < records.len()));
         // SAFETY: by the caller; a record is four numbers.
         unsafe { Self::quads::<4>(records.as_ptr().cast(), places) }
+    }
+    /// The first and the second ones of pairs of records, eight pairs at these places.
+    ///
+    /// # Safety
+    /// All of them can be read.
+    #[inline(always)]
+    unsafe fn gather_twos(records: View<'_, Record>, places: &[u32; 8]) -> [[Self; 4]; 2] {
+        debug_assert!(places.iter().all(|p| 2 * (*p as usize) + 1 < records.len()));
+        // SAFETY: by the caller; a pair of records is eight numbers.
+        unsafe {
+            let from: *const f64 = records.as_ptr().cast();
+            [Self::quads::<8>(from, places), Self::quads::<8>(from.add(4), places)]
+        }
     }
     /// Eight records from their fields.
     #[inline(always)]
@@ -454,6 +467,9 @@ pub(crate) trait Quads: crate::integrate::Vector {
     /// The first records of a run.
     fn load_some(from: &[Record]) -> Self;
     fn store_some(self, to: &mut [Record]);
+    /// The first and the second ones of the first pairs of a run.
+    fn load_twos(from: &[[Record; 2]]) -> [Self; 2];
+    fn store_twos(of_two: [Self; 2], to: &mut [[Record; 2]]);
     /// Forces and torques on the first bodies of a run, which are zero then.
     fn take(from: &mut [Pull]) -> [Self; 2];
     /// These vectors with the scalars of other records.
@@ -488,6 +504,15 @@ impl<Q: Quad> Quads for Q {
         self.store(&mut to[0]);
     }
     #[inline(always)]
+    fn load_twos(from: &[[Record; 2]]) -> [Self; 2] {
+        [Q::load(&from[0][0]), Q::load(&from[0][1])]
+    }
+    #[inline(always)]
+    fn store_twos(of_two: [Self; 2], to: &mut [[Record; 2]]) {
+        of_two[0].store(&mut to[0][0]);
+        of_two[1].store(&mut to[0][1]);
+    }
+    #[inline(always)]
     fn take(from: &mut [Pull]) -> [Self; 2] {
         let Pull { force, torque } = std::mem::take(&mut from[0]);
         [Q::load(&force), Q::load(&torque)]
@@ -512,13 +537,12 @@ impl<Q: Quad> Quads for Q {
     #[inline(always)]
     fn beyond(self, limit: Self) -> (Self, u8) {
         let square = self.length_squared();
-        let squares = Q::load(&Record { x: square, ..Record::ZERO });
-        (squares, u8::from(!(square <= limit.record().w)))
+        (Q::load(&Record::splat(square)), u8::from(!(square <= limit.record().w)))
     }
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         let (own, other) = (self.record().x, other.record().x);
-        Q::load(&Record { x: if other > own { other } else { own }, ..Record::ZERO })
+        Q::load(&Record::splat(if other > own { other } else { own }))
     }
     #[inline(always)]
     fn largest(self) -> f64 {

@@ -450,8 +450,9 @@ mod tests {
             let b = &world.state.bodies;
             let mut all: Vec<_> = (0..b.len())
                 .map(|k| {
-                    let of = [&b.velocity, &b.mean_velocity, &b.spin, &b.position, &b.mean_spin];
-                    (b.id[k], of.map(|column| column[k].w), b.end_velocity[k].w)
+                    let of = [&b.velocity, &b.spin, &b.position, &b.mean_spin];
+                    let of_two = [b.mean_velocity(k), b.end_velocity(k)];
+                    (b.id[k], of.map(|column| column[k].w), of_two.map(|record| record.w))
                 })
                 .collect();
             all.sort_by_key(|(id, ..)| *id);

@@ -257,10 +257,10 @@ impl PairKernel<'_> {
         let [radius, mass] = [0, 1].map(|k| size.map(|s| s[k]));
         let clumps = if MORE { s.clumps.as_ref() } else { None };
         let alike = if ALIKE && clumps.is_none() {
-            let (position, velocity) =
-                (s.position.as_ptr().cast(), s.mean_velocity.as_ptr().cast());
-            let (end, spin) = (s.end_velocity.as_ptr().cast(), s.mean_spin.as_ptr().cast());
-            let from = [position, velocity, end, spin];
+            let from = [s.position, s.velocities, s.mean_spin].map(
+                #[inline(always)]
+                |records| records.as_ptr().cast(),
+            );
             // SAFETY: by the caller.
             Some(unsafe { V::of_spheres(from, b.first, b.second) })
         } else {
@@ -297,10 +297,10 @@ impl PairKernel<'_> {
                 let masses = [i.mean_velocity[3], j.mean_velocity[3]];
                 (approach, masses, i.mean_spin, j.mean_spin, i.end_velocity - j.end_velocity)
             } else {
-                let (approach, masses) =
-                    difference::<V, 1>(s.mean_velocity, b.first, b.second, mass);
+                let (approach, masses) = difference::<V, 2>(s.velocities, b.first, b.second, mass);
                 let spins = s.mean_spin.as_ptr().cast();
-                let end = V::differences::<1>(s.end_velocity.as_ptr().cast(), b.first, b.second);
+                let ends = s.velocities.as_ptr().cast::<f64>().add(4);
+                let end = V::differences::<2>(ends, b.first, b.second);
                 let (wi, wj) = (V::quads::<1>(spins, b.first), V::quads::<1>(spins, b.second));
                 (approach, masses, wi, wj, V3::of(end))
             }
@@ -399,13 +399,14 @@ pub(super) unsafe fn on_clump<V: Blocks>(
         *of = c.bodies_of(spheres);
     }
     let bodies = &of_bodies[..at.len()];
+    let velocities: *const f64 = s.velocities.as_ptr().cast();
     // SAFETY: by the caller; spheres sit on bodies.
     let (centre, v, w, end, end_spin) = unsafe {
         (
             V3::of(V::quads::<1>(c.centre.as_ptr().cast(), bodies)),
-            V::quads::<1>(s.mean_velocity.as_ptr().cast(), bodies),
+            V::quads::<2>(velocities, bodies),
             V::quads::<1>(s.mean_spin.as_ptr().cast(), bodies),
-            V3::of(V::quads::<1>(s.end_velocity.as_ptr().cast(), bodies)),
+            V3::of(V::quads::<2>(velocities.add(4), bodies)),
             V3::of(V::quads::<1>(c.end_spin.as_ptr().cast(), bodies)),
         )
     };

@@ -152,6 +152,22 @@ impl<const FUSED: bool> Quads for Eight<FUSED> {
         unsafe { _mm512_storeu_pd(std::ptr::from_mut(two).cast(), self.0) }
     }
     #[inline(always)]
+    fn load_twos(from: &[[Record; 2]]) -> [Self; 2] {
+        let [first, second]: &[[Record; 2]; 2] = from.first_chunk().expect("two pairs");
+        let (a, b) = (Self::load_some(first).0, Self::load_some(second).0);
+        unsafe {
+            [Self(_mm512_shuffle_f64x2::<0x44>(a, b)), Self(_mm512_shuffle_f64x2::<0xEE>(a, b))]
+        }
+    }
+    #[inline(always)]
+    fn store_twos([a, b]: [Self; 2], to: &mut [[Record; 2]]) {
+        let [first, second]: &mut [[Record; 2]; 2] = to.first_chunk_mut().expect("two pairs");
+        unsafe {
+            Self(_mm512_shuffle_f64x2::<0x44>(a.0, b.0)).store_some(first);
+            Self(_mm512_shuffle_f64x2::<0xEE>(a.0, b.0)).store_some(second);
+        }
+    }
+    #[inline(always)]
     fn take(from: &mut [Pull]) -> [Self; 2] {
         let two: &mut [Pull; 2] = from.first_chunk_mut().expect("two pulls");
         unsafe {

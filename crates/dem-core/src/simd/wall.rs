@@ -219,12 +219,10 @@ impl PairKernel<'_> {
                     let own = on_clump::<V>(s, c, &[fours(&g.places)], V3::of(p));
                     (p, own.mean_velocity, own.mean_spin, own.end_velocity)
                 }
-                None => (
-                    p,
-                    V::gather(s.mean_velocity, &g.places),
-                    V::gather(s.mean_spin, &g.places),
-                    V3::of(V::gather(s.end_velocity, &g.places)),
-                ),
+                None => {
+                    let [mean, end] = V::gather_twos(s.velocities, &g.places);
+                    (p, mean, V::gather(s.mean_spin, &g.places), V3::of(end))
+                }
             }
         };
         let (x, radius, mass) = (V3::of(p), p[3], v[3]);

@@ -117,8 +117,9 @@ impl PairKernel<'_> {
             let (places, entries) = (&desk.places[g], desk.entries[g]);
             // SAFETY: by the caller.
             unsafe {
-                let p = V::quads(s.position.as_ptr().cast(), places);
-                let v = V::quads(s.mean_velocity.as_ptr().cast(), places);
+                let p = V::quads::<1>(s.position.as_ptr().cast(), places);
+                let velocities: *const f64 = s.velocities.as_ptr().cast();
+                let v = V::quads::<2>(velocities, places);
                 let position = V3::of(p);
                 let near = nearest(wall, position, V::which(u8::MAX))
                     .unwrap_or_else(|| self.one_by_one(wall, places));
@@ -126,8 +127,8 @@ impl PairKernel<'_> {
                     position,
                     size: [p[3], v[3]],
                     velocity: V3::of(v),
-                    spin: V3::of(V::quads(s.mean_spin.as_ptr().cast(), places)),
-                    end: V3::of(V::quads(s.end_velocity.as_ptr().cast(), places)),
+                    spin: V3::of(V::quads::<1>(s.mean_spin.as_ptr().cast(), places)),
+                    end: V3::of(V::quads::<2>(velocities.add(4), places)),
                     old: remembered(memory, &fours(&entries)),
                     near,
                 });
