@@ -65,8 +65,8 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) kick: &'a Kick<'a, M>,
     pub(crate) drift: &'a Drift<'a>,
     pub(crate) turns: &'a Turns<'a>,
-    /// Wrenches that strips keep for each other and where those of each chunk lie, where there are several.
-    pub(crate) kept: Option<([View<'a, Record>; 3], &'a [u32])>,
+    /// Wrenches that strips keep for each other, where there are several.
+    pub(crate) kept: Option<[View<'a, Record>; 3]>,
     /// Whether places are asked for before they are needed: where the second-level cache does not hold the bed.
     pub(crate) warm: bool,
     /// Spins and places when the list was made, of a bed that no cache holds: there everything is asked for.
@@ -189,7 +189,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kick: &kick,
                 drift: &drift,
                 turns: &turns,
-                kept: Some((wrenches.each_ref().map(Chunks::view), strips.kept())),
+                kept: Some(wrenches.each_ref().map(Chunks::view)),
                 warm: count > WARM && !clumps,
                 far: (count > make.far && !clumps).then(|| [spins, drift.reference.into()]),
             };
@@ -315,7 +315,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         // Who takes part in a fault must not move on.
         gone.into.deep |= handed_over.unwrap_or_default();
         let chunks = self.strips.next_chunks(strip);
-        if let Some((kept, places)) = self.kept.filter(|_| gone.into.took_over) {
+        if let Some(kept) = self.kept.filter(|_| gone.into.took_over) {
             for chunk in chunks {
                 let begin = chunk * CHUNK;
                 let owner = seats.body(pairs.owner(begin));
@@ -323,7 +323,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 self.finish(owner / PIECE, own, Some(handed), bodies, ring, gone);
                 if self.strips.keep(chunk) {
                     let own = begin..(begin + CHUNK).min(pairs.touching);
-                    let at = places[chunk] as usize * CHUNK;
+                    let at = self.strips.kept()[chunk] as usize * CHUNK;
                     let kept = kept.each_ref().map(|kept| kept.run(at..at + own.len()));
                     let (first, second) = (&pairs.first[own.clone()], &pairs.second[own]);
                     widened(
@@ -423,10 +423,10 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 self.strips.stays_within(strip, pairs, chunk, seats),
                 "others' bodies are read"
             );
-            let places = begin..begin + active.len();
-            let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
-            let count = active.len().min(pairs.touching - begin);
             let all = active.len();
+            let places = begin..begin + all;
+            let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
+            let count = all.min(pairs.touching - begin);
             let mut compute = |wrenches| {
                 let run =
                     Touching { pairs: count, slots, first, second, active, numbers, wrenches };

@@ -250,21 +250,12 @@ impl Bodies {
             if v.is_empty() {
                 continue;
             }
-            scratch.make_room(order.len(), Record::ZERO);
-            team.each(order.len().div_ceil(PART), cut(scratch, PART), |c, to| {
-                for (to, &from) in to.iter_mut().zip(&order[part(c, order.len())]) {
-                    *to = v[from as usize];
-                }
-            });
+            gather(order, scratch, team, |from| v[from]);
             std::mem::swap(v, scratch);
         }
         for of_two in [MEAN, END] {
             let v = &mut self.velocities;
-            team.each(order.len().div_ceil(PART), cut(scratch, PART), |c, to| {
-                for (to, &from) in to.iter_mut().zip(&order[part(c, order.len())]) {
-                    *to = v[2 * from as usize + of_two];
-                }
-            });
+            gather(order, scratch, team, |from| v[2 * from + of_two]);
             team.each(order.len().div_ceil(PART), cut(v, 2 * PART), |c, to| {
                 let to = to.as_chunks_mut::<2>().0;
                 for (to, from) in to.iter_mut().zip(&scratch[part(c, order.len())]) {
@@ -282,4 +273,19 @@ impl Bodies {
             self.place[id as usize] = place as u32;
         }
     }
+}
+
+/// One record of each body, in this order of the bodies.
+fn gather(
+    order: &[u32],
+    to: &mut Column<Record>,
+    team: &Team,
+    record: impl Fn(usize) -> Record + Sync,
+) {
+    to.make_room(order.len(), Record::ZERO);
+    team.each(order.len().div_ceil(PART), cut(to, PART), |c, to| {
+        for (to, &from) in to.iter_mut().zip(&order[part(c, order.len())]) {
+            *to = record(from as usize);
+        }
+    });
 }
