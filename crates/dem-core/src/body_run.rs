@@ -1,7 +1,7 @@
 //! A run of bodies, column by column.
 
 use crate::integrate::Integrator;
-use crate::particles::{Bodies, END, MEAN, Record};
+use crate::particles::{Bodies, END, MEAN, Record, Velocities};
 use crate::simd::Quad;
 use crate::spheres::{ClumpView, SphereView};
 use crate::threads::{Chunks, View, cut};
@@ -15,24 +15,29 @@ pub(crate) struct Run<'a> {
     pub(crate) spin: &'a mut [Record],
     pub(crate) acceleration: &'a mut [Record],
     pub(crate) angular: &'a mut [Record],
-    /// Two of each body: mean ones, and those at the end of the step.
-    pub(crate) velocities: &'a mut [[Record; 2]],
+    /// Mean ones, and those at the end of the step.
+    pub(crate) velocities: &'a mut [Velocities],
     pub(crate) mean_spin: &'a mut [Record],
     pub(crate) linear: &'a mut [Record],
     pub(crate) turn: &'a mut [Record],
 }
 
-/// The records of a run of bodies: those that contacts read first, in the order of [`cut_bodies`].
-pub(crate) type Columns<'a> = [&'a mut [Record]; 9];
+/// The records of a run of bodies in the order of [`cut_bodies`], and their velocities.
+pub(crate) type Columns<'a> = ([&'a mut [Record]; 8], &'a mut [Velocities]);
+
+/// The same of all bodies, cut into runs.
+pub(crate) type CutColumns<'a> = ([Chunks<'a, Record>; 8], Chunks<'a, Velocities>);
+
+/// Which of [`cut_bodies`] are the positions.
+pub(crate) const POSITION: usize = 0;
 
 /// Which of [`cut_bodies`] are the spins.
-pub(crate) const SPIN: usize = 4;
+pub(crate) const SPIN: usize = 3;
 
 /// Cut the bodies into runs of `size`.
-pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 9] {
-    [
+pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> CutColumns<'_> {
+    let columns = [
         cut(&mut b.position, size),
-        cut(&mut b.velocities, 2 * size),
         cut(&mut b.mean_spin, size),
         cut(&mut b.velocity, size),
         cut(&mut b.spin, size),
@@ -40,16 +45,17 @@ pub(crate) fn cut_bodies(b: &mut Bodies, size: usize) -> [Chunks<'_, Record>; 9]
         cut(&mut b.angular_acceleration, size),
         cut(&mut b.linear_memory, size),
         cut(&mut b.angular_memory, size),
-    ]
+    ];
+    (columns, cut(&mut b.velocities, size))
 }
 
 impl<'a> SphereView<'a> {
     /// What contacts read of bodies, while others are written, which are spheres or have theirs in `clumps`.
     pub(crate) fn of_columns(
-        columns: &[Chunks<'a, Record>; 9],
+        columns: &CutColumns<'a>,
         clumps: Option<(View<'a, Record>, ClumpView<'a>)>,
     ) -> Self {
-        let [position, velocities, mean_spin, ..] = columns;
+        let ([position, mean_spin, ..], velocities) = columns;
         SphereView {
             position: clumps.map_or(position.view(), |(spheres, _)| spheres),
             velocities: velocities.view(),
@@ -63,8 +69,8 @@ impl<'a> Run<'a> {
     /// The run that begins at place `begin`, of its columns in the order of [`cut_bodies`].
     #[inline(always)]
     pub(crate) fn of(begin: usize, columns: Columns<'a>) -> Self {
-        let [position, velocities, mean_spin, velocity, spin, acceleration, angular, linear, turn] =
-            columns;
+        let (columns, velocities) = columns;
+        let [position, mean_spin, velocity, spin, acceleration, angular, linear, turn] = columns;
         Run {
             begin,
             position,
@@ -72,7 +78,7 @@ impl<'a> Run<'a> {
             spin,
             acceleration,
             angular,
-            velocities: velocities.as_chunks_mut().0,
+            velocities,
             mean_spin,
             linear,
             turn,

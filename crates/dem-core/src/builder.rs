@@ -486,7 +486,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 }
             };
             if let Some(&charge) = self.charges.get(&id.0) {
-                state.bodies.velocities[2 * id.0 as usize + END].w = charge;
+                state.bodies.velocities[id.0 as usize][END].w = charge;
             }
             let position = state.bodies.position[id.0 as usize].vector();
             let inside = position.cmpge(domain[0]).all() && position.cmple(domain[1]).all();

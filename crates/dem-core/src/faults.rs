@@ -4,7 +4,7 @@ use crate::contact::model::ContactLaw;
 use crate::error::{Cause, Error, Fault, FaultKind, Partner};
 use crate::forces::{DeepOverlap, deeper};
 use crate::integrate::Integrator;
-use crate::particles::ParticleId;
+use crate::particles::{MEAN, ParticleId};
 use crate::world::World;
 
 /// Radii moved in a step above which the time step is to blame.
@@ -82,7 +82,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     fn radii_per_step(&self, body: usize) -> f64 {
         let b = &self.state.bodies;
-        b.mean_velocity(body).vector().length() * self.make.dt / b.position[body].w
+        b.velocities[body][MEAN].vector().length() * self.make.dt / b.position[body].w
     }
 
     /// A partner with which the body was last in contact.

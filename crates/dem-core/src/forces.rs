@@ -14,6 +14,7 @@ use crate::material::MaterialId;
 use crate::neighbour::Period;
 use crate::neighbour::verlet_list::{LANES, memory_index, memory_of};
 use crate::noncontact::Separation;
+use crate::particles::{END, MEAN};
 use crate::spheres::SphereView;
 
 /// Most numbers that a contact may remember.
@@ -159,7 +160,7 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let (i, j) = (a as usize, b as usize);
         let (pi, pj) = (s.position[i], s.position[j]);
         let (bi, bj) = (s.body(i), s.body(j));
-        let (vi, vj) = (s.mean_velocity(bi), s.mean_velocity(bj));
+        let (vi, vj) = (&s.velocities[bi][MEAN], &s.velocities[bj][MEAN]);
         let d = Period::shortest(self.period, pj.vector() - pi.vector());
         let distance = d.length();
         let pair = PairGeometry {
@@ -172,8 +173,8 @@ impl<M: ContactLaw> Contacts<'_, M> {
             normal_i_to_j: d / distance,
             gap: distance - pi.w - pj.w,
             distance,
-            charge_i: s.end_velocity(bi).w,
-            charge_j: s.end_velocity(bj).w,
+            charge_i: s.velocities[bi][END].w,
+            charge_j: s.velocities[bj][END].w,
         };
         let materials = [s.mean_spin[bi].w, s.mean_spin[bj].w];
         let pull = self.across(materials, &pair, &separation, contact, active, memory, into);
@@ -318,12 +319,12 @@ impl<M: ContactLaw> Contacts<'_, M> {
         let s = &self.spheres;
         let i = a as usize;
         let (radius, body) = (s.position[i].w, s.body(i));
-        let pair = wall_pair(radius, s.mean_velocity(body).w, nearest);
+        let pair = wall_pair(radius, s.velocities[body][MEAN].w, nearest);
         let separation = Separation {
             normal_i_to_j: nearest.normal_to_wall,
             gap: nearest.distance - radius,
             distance: nearest.distance,
-            charge_i: s.end_velocity(body).w,
+            charge_i: s.velocities[body][END].w,
             charge_j: 0.0,
         };
         let wall = &self.walls[w as usize];

@@ -131,7 +131,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let shape = m.shape.get(k).and_then(|shape| shapes.get(*shape as usize));
             let reach = shape.map_or(0.0, |s| s.reach);
             let spin = b.mean_spin[k].vector() - angular;
-            (b.mean_velocity(k).vector() * dt - carried).length() + reach * spin.length() * dt
+            (b.velocities[k][MEAN].vector() * dt - carried).length() + reach * spin.length() * dt
         };
         s.reserve.resize(b.len(), 0.0);
         self.team.each(b.len().div_ceil(PART), cut(&mut s.reserve, PART), |c, strides| {
@@ -259,13 +259,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             return f64::INFINITY;
         }
         let turn = self.turn_since_list(self.time() + dt);
-        let longest =
-            (b.position.iter().zip(b.velocity.iter().zip(b.velocities.as_chunks::<2>().0)))
-                .flat_map(|(x, (now, of_two))| {
-                    let carried = turn.image(x.vector()) - x.vector();
-                    [now, &of_two[MEAN]].map(|v| (v.vector() * dt - carried).length_squared())
-                })
-                .fold(0.0, f64::max);
+        let bodies = b.position.iter().zip(b.velocity.iter().zip(&b.velocities));
+        let strides = bodies.flat_map(|(x, (now, of_two))| {
+            let carried = turn.image(x.vector()) - x.vector();
+            [now, &of_two[MEAN]].map(|v| (v.vector() * dt - carried).length_squared())
+        });
+        let longest = strides.fold(0.0, f64::max);
         2.0 * longest.sqrt() + LEAST_STRIDE * self.make.skin
     }
 

@@ -13,7 +13,7 @@
 
 use std::ops::Range;
 
-use crate::body_run::{Columns, Run, SPIN, cut_bodies};
+use crate::body_run::{Columns, POSITION, Run, SPIN, cut_bodies};
 use crate::body_stage::{Drift, Farthest, Kick, Piece};
 use crate::clump_stage::{Turned, Turns};
 use crate::contact::model::ContactLaw;
@@ -170,12 +170,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let spheres = SphereView::of_columns(
                 &cut_columns,
                 clumps.then(|| {
-                    let (centre, end_spin) = (cut_columns[0].view(), of_clumps.1.view());
+                    let (centre, end_spin) = (cut_columns.0[POSITION].view(), of_clumps.1.view());
                     let view = ClumpView { body: &members.body, centre, end_spin, dt };
                     (of_clumps.2.view(), view)
                 }),
             );
-            let spins = cut_columns[SPIN].view();
+            let spins = cut_columns.0[SPIN].view();
             let kernel = kernel_of(make, spheres, dt, false);
             let wrenches = kept.each_mut().map(|wrenches| cut(wrenches, CHUNK));
             let pass = Pass {
@@ -227,7 +227,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let pieces = (cut_bodies(&mut bodies, PIECE), cut(&mut s.moved.square, 1), of_clumps);
         let parts = (chosen(pieces, deferred), cut(&mut s.body_yield, 1));
         self.team.each(deferred.len(), parts, |k, (of, result)| {
-            let (mut sums, count) = ([Pull::ZERO; PIECE], of.0[0].len());
+            let (mut sums, count) = ([Pull::ZERO; PIECE], of.0.1.len());
             let drift = (!deep).then_some(&drift);
             let finish = Finish { integrator, kick: &kick, drift, turns: &turns, level };
             let begin = deferred[k] as usize * PIECE;
@@ -409,7 +409,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 fetch(s.position, spheres.clone());
                 if let Some(own) = self.far {
                     fetch(s.mean_spin, spheres.clone());
-                    fetch(s.velocities, 2 * spheres.start..2 * spheres.end);
+                    fetch(s.velocities, spheres.clone());
                     for records in own {
                         let begin = gone.asked[1].max(finished.saturating_sub(2 * AHEAD));
                         fetch(records, begin..finished);

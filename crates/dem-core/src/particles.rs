@@ -4,7 +4,7 @@ mod column;
 
 use glam::DVec3;
 
-pub(crate) use column::Column;
+pub(crate) use column::{Column, LINE};
 
 use crate::material::MaterialId;
 use crate::threads::{PART, Team, cut, part};
@@ -141,6 +141,10 @@ impl std::ops::Mul<f64> for Record {
 
 impl crate::integrate::Vector for Record {}
 
+/// Two velocities of a body, in one line of the cache: averaged over the last step (its displacement over its duration), and mass;
+/// foretold by the last forces for the end of the step, and charge.
+pub(crate) type Velocities = [Record; 2];
+
 /// Which of the velocities of a body is which.
 pub(crate) const MEAN: usize = 0;
 pub(crate) const END: usize = 1;
@@ -161,9 +165,8 @@ pub(crate) struct Bodies {
     pub(crate) acceleration: Column<Record>,
     /// Angular acceleration of spheres; torque on clumps, N m.
     pub(crate) angular_acceleration: Column<Record>,
-    /// Two of each body, so that both lie in one line of the cache: velocity averaged over the last step (its displacement over its
-    /// duration), and mass; velocity that the last forces foretold for the end of the step, and charge.
-    pub(crate) velocities: Column<Record>,
+    /// Mean velocity and mass; velocity foretold for the end of the step and charge.
+    pub(crate) velocities: Column<Velocities>,
     /// Angular velocity averaged likewise, and material number.
     pub(crate) mean_spin: Column<Record>,
     /// What the integrator remembers of the translation and of the rotation (of a clump: its angular momentum); empty if
@@ -179,25 +182,13 @@ impl Bodies {
         self.id.len()
     }
 
-    /// Velocity averaged over the last step, and mass.
-    #[inline(always)]
-    pub(crate) fn mean_velocity(&self, body: usize) -> &Record {
-        &self.velocities[2 * body + MEAN]
-    }
-
-    /// Velocity foretold for the end of the step, and charge.
-    #[inline(always)]
-    pub(crate) fn end_velocity(&self, body: usize) -> &Record {
-        &self.velocities[2 * body + END]
-    }
-
     /// Have room for so many bodies.
     pub(crate) fn reserve(&mut self, bodies: usize) {
         for names in [&mut self.id, &mut self.place] {
             names.reserve_exact(bodies.saturating_sub(names.len()));
         }
         self.columns().into_iter().for_each(|column| column.reserve(bodies));
-        self.velocities.reserve(2 * bodies);
+        self.velocities.reserve(bodies);
     }
 
     /// What is known of every body, a record each: all but velocities.
@@ -230,8 +221,7 @@ impl Bodies {
         self.position.push(Record::new(position, bounding_radius));
         self.velocity.push(Record::new(velocity, mass));
         self.spin.push(Record::new(spin, moment));
-        self.velocities.push(Record::new(velocity, mass));
-        self.velocities.push(Record::new(velocity, 0.0));
+        self.velocities.push([Record::new(velocity, mass), Record::new(velocity, 0.0)]);
         self.mean_spin.push(Record::new(spin, f64::from(material.0)));
         for v in [
             &mut self.acceleration,
@@ -255,9 +245,8 @@ impl Bodies {
         }
         for of_two in [MEAN, END] {
             let v = &mut self.velocities;
-            gather(order, scratch, team, |from| v[2 * from + of_two]);
-            team.each(order.len().div_ceil(PART), cut(v, 2 * PART), |c, to| {
-                let to = to.as_chunks_mut::<2>().0;
+            gather(order, scratch, team, |from| v[from][of_two]);
+            team.each(order.len().div_ceil(PART), cut(v, PART), |c, to| {
                 for (to, from) in to.iter_mut().zip(&scratch[part(c, order.len())]) {
                     to[of_two] = *from;
                 }

@@ -215,7 +215,7 @@ impl Snapshot {
         let b = &mut s.bodies;
         v.visit(&mut b.id);
         v.visit(&mut b.place);
-        let of_two = |which: usize| b.velocities.iter().skip(which).step_by(2).copied().collect();
+        let of_two = |which: usize| b.velocities.iter().map(|of_two| of_two[which]).collect();
         let (mut mean, mut end): (Column<Record>, Column<Record>) = (of_two(MEAN), of_two(END));
         for x in [
             &mut b.position,
@@ -231,7 +231,7 @@ impl Snapshot {
         ] {
             v.visit(x);
         }
-        b.velocities = mean.iter().zip(&end).flat_map(|(mean, end)| [*mean, *end]).collect();
+        b.velocities = mean.iter().zip(&end).map(|(mean, end)| [*mean, *end]).collect();
         let m = &mut s.members;
         for x in [&mut m.id, &mut m.body, &mut m.first, &mut m.shape, &mut m.first_id] {
             v.visit(x);

@@ -1,7 +1,7 @@
 //! What contacts know of their spheres: bodies themselves, or members of clumps.
 
 use crate::forces::Wrench;
-use crate::particles::{END, MEAN, Record};
+use crate::particles::{Record, Velocities};
 use crate::simd::{Numbers, V3};
 use crate::threads::View;
 
@@ -10,8 +10,8 @@ use crate::threads::View;
 pub(crate) struct SphereView<'a> {
     /// Centre; radius.
     pub(crate) position: View<'a, Record>,
-    /// Of bodies, two each: mean velocity of the step; mass; velocity foretold for now; charge.
-    pub(crate) velocities: View<'a, Record>,
+    /// Of bodies: mean velocity of the step and mass; velocity foretold for now and charge.
+    pub(crate) velocities: View<'a, Velocities>,
     /// Of bodies: mean angular velocity of the step; material.
     pub(crate) mean_spin: View<'a, Record>,
     /// Where spheres sit on bodies; without it every sphere is its own body.
@@ -83,18 +83,6 @@ impl SphereView<'_> {
         self.clumps.map_or(sphere, |c| c.body[sphere] as usize)
     }
 
-    /// Mean velocity and mass of a body.
-    #[inline(always)]
-    pub(crate) fn mean_velocity(&self, body: usize) -> &Record {
-        &self.velocities[2 * body + MEAN]
-    }
-
-    /// Velocity foretold for now and charge of a body.
-    #[inline(always)]
-    pub(crate) fn end_velocity(&self, body: usize) -> &Record {
-        &self.velocities[2 * body + END]
-    }
-
     /// From the body's centre to the sphere's.
     #[inline(always)]
     fn arm(&self, sphere: usize) -> V3<f64> {
@@ -122,15 +110,11 @@ impl SphereView<'_> {
     #[inline(always)]
     pub(crate) fn motion(&self, sphere: usize) -> SphereMotion {
         let Some(c) = &self.clumps else {
-            return SphereMotion {
-                mean_velocity: *self.mean_velocity(sphere),
-                mean_spin: self.mean_spin[sphere],
-                end_velocity: *self.end_velocity(sphere),
-            };
+            let [mean_velocity, end_velocity] = self.velocities[sphere];
+            return SphereMotion { mean_velocity, mean_spin: self.mean_spin[sphere], end_velocity };
         };
         let body = c.body[sphere] as usize;
-        let (mut v, w, mut end) =
-            (*self.mean_velocity(body), self.mean_spin[body], *self.end_velocity(body));
+        let ([mut v, mut end], w) = (self.velocities[body], self.mean_spin[body]);
         let vector = |r: &Record| V3::from(r.vector());
         let (arm, end_spin) = (self.arm(sphere), vector(&c.end_spin[body]));
         let [mean, last] = on_arm(arm, [vector(&v), vector(&w)], [vector(&end), end_spin], c.dt);

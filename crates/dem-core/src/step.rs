@@ -8,7 +8,6 @@ use crate::error::Error;
 use crate::forces::Contacts;
 use crate::geometry::PlacedWall;
 use crate::integrate::Integrator;
-use crate::particles::{END, MEAN};
 use crate::simd::{Arithmetic, Features, PairKernel};
 use crate::spheres::SphereView;
 use crate::world::{Make, World, sphere_view};
@@ -107,8 +106,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let b = &mut self.state.bodies;
         for k in 0..b.len() {
             let (v, w) = (b.velocity[k].vector(), b.spin[k].vector());
-            b.velocities[2 * k + MEAN].set(v);
-            b.velocities[2 * k + END].set(v);
+            b.velocities[k].iter_mut().for_each(|of_two| of_two.set(v));
             b.mean_spin[k].set(w);
             if let Some(end) = self.state.members.end_spin.get_mut(k) {
                 end.set(w);

@@ -237,7 +237,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let of_pieces = starts(tiers, |tier| tier.gone.piece, count.div_ceil(PIECE));
         let of_chunks = starts(tiers, |tier| tier.gone.chunk, chunks);
         let columns = cut_bodies(bed.bodies, PIECE);
-        let (spheres, spins) = (SphereView::of_columns(&columns, None), columns[SPIN].view());
+        let (spheres, spins) = (SphereView::of_columns(&columns, None), columns.0[SPIN].view());
         let mut none: [[Record; 0]; 3] = [[]; 3];
         let mut to_do = (
             cut(&mut bed.of_pairs.0[..begin], CHUNK),

@@ -20,7 +20,7 @@ use crate::neighbour::cell_list::CellList;
 use crate::neighbour::near_order::{Moved, NearOrder};
 use crate::neighbour::verlet_list::{Found, PairList};
 use crate::neighbour::wall_list::{NearWalls, WallList};
-use crate::particles::{Bodies, Column, ParticleId, Record};
+use crate::particles::{Bodies, Column, END, ParticleId, Record};
 use crate::rigid::Clump;
 use crate::spheres::{ClumpView, Seats, SphereView};
 use crate::strips::Strips;
@@ -370,7 +370,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// Electric charge, C.
     pub fn charge(&self, particle: ParticleId) -> f64 {
-        self.state.bodies.end_velocity(self.place(particle)).w
+        self.state.bodies.velocities[self.place(particle)][END].w
     }
 
     /// Set a particle's velocity (m/s) and angular velocity (rad/s).

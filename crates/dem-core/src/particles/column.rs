@@ -5,7 +5,7 @@ use std::ops::{Deref, DerefMut};
 use aligned_vec::{AVec, ConstAlign};
 
 /// Bytes of a line of the cache, and of the widest register.
-const LINE: usize = 64;
+pub(crate) const LINE: usize = 64;
 
 /// A vector whose first element lies at a multiple of 64 bytes, so that neither a record nor a register of two lies on two lines of the
 /// cache: where other vectors begin is a matter of who asked for memory before.

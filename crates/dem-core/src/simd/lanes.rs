@@ -235,13 +235,13 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// The first and the second ones of pairs of records, eight pairs at these places.
     ///
     /// # Safety
-    /// All of them can be read.
+    /// Every place is below the number of `pairs`.
     #[inline(always)]
-    unsafe fn gather_twos(records: View<'_, Record>, places: &[u32; 8]) -> [[Self; 4]; 2] {
-        debug_assert!(places.iter().all(|p| 2 * (*p as usize) + 1 < records.len()));
+    unsafe fn gather_twos(pairs: View<'_, [Record; 2]>, places: &[u32; 8]) -> [[Self; 4]; 2] {
+        debug_assert!(places.iter().all(|p| (*p as usize) < pairs.len()));
         // SAFETY: by the caller; a pair of records is eight numbers.
         unsafe {
-            let from: *const f64 = records.as_ptr().cast();
+            let from: *const f64 = pairs.as_ptr().cast();
             [Self::quads::<8>(from, places), Self::quads::<8>(from.add(4), places)]
         }
     }

@@ -42,7 +42,7 @@ use crate::contact::model::ContactModel;
 use crate::contact::normal::Hertz;
 use crate::contact::rolling::{AbsoluteSpin, ConstantTorque, FreeRolling, RollingArm};
 use crate::contact::tangential::{Mindlin, MindlinTotalSpring};
-use crate::particles::Record;
+use crate::particles::{LINE, Record};
 use crate::threads::View;
 
 /// Instruction set that a world's kernels use.
@@ -225,12 +225,12 @@ pub(crate) fn constants<M: 'static>(laws: &[M]) -> Option<Vec<Constants>> {
 
 /// Ask the memory for records that are needed soon.
 #[inline(always)]
-pub(crate) fn fetch(records: View<'_, Record>, places: std::ops::Range<usize>) {
+pub(crate) fn fetch<T>(records: View<'_, T>, places: std::ops::Range<usize>) {
     #[cfg(target_arch = "x86_64")]
-    for place in places.step_by(2) {
+    for place in places.step_by(const { LINE / size_of::<T>() }) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         debug_assert!(place < records.len());
-        // SAFETY: nothing is read; a line of the cache holds two records.
+        // SAFETY: nothing is read.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(records.as_ptr().wrapping_add(place).cast()) }
     }
     #[cfg(not(target_arch = "x86_64"))]
@@ -451,7 +451,7 @@ mod tests {
             let mut all: Vec<_> = (0..b.len())
                 .map(|k| {
                     let of = [&b.velocity, &b.spin, &b.position, &b.mean_spin];
-                    let of_two = [b.mean_velocity(k), b.end_velocity(k)];
+                    let of_two = &b.velocities[k];
                     (b.id[k], of.map(|column| column[k].w), of_two.map(|record| record.w))
                 })
                 .collect();

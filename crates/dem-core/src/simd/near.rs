@@ -134,7 +134,7 @@ impl PairKernel<'_> {
         let (first, second) = (from_ref(first), from_ref(second));
         // SAFETY: by the caller.
         let (mut d, [rj, ri]) =
-            unsafe { difference::<V, EACH>(self.spheres.position, second, first, radius) };
+            unsafe { difference::<V, EACH, _>(self.spheres.position, second, first, radius) };
         if let Some(p) = self.period {
             d = d.shortest(p);
         }

@@ -257,10 +257,11 @@ impl PairKernel<'_> {
         let [radius, mass] = [0, 1].map(|k| size.map(|s| s[k]));
         let clumps = if MORE { s.clumps.as_ref() } else { None };
         let alike = if ALIKE && clumps.is_none() {
-            let from = [s.position, s.velocities, s.mean_spin].map(
-                #[inline(always)]
-                |records| records.as_ptr().cast(),
-            );
+            let from = [
+                s.position.as_ptr().cast(),
+                s.velocities.as_ptr().cast(),
+                s.mean_spin.as_ptr().cast(),
+            ];
             // SAFETY: by the caller.
             Some(unsafe { V::of_spheres(from, b.first, b.second) })
         } else {
@@ -275,7 +276,7 @@ impl PairKernel<'_> {
                 let (i, j) = (V::quads::<1>(from, b.first), V::quads::<1>(from, b.second));
                 (V3::of(j) - V3::of(i), [j[3], i[3]], Some([V3::of(i), V3::of(j)]))
             } else {
-                let (d, radii) = difference::<V, 1>(s.position, b.second, b.first, radius);
+                let (d, radii) = difference::<V, 1, _>(s.position, b.second, b.first, radius);
                 (d, radii, None)
             }
         };
@@ -297,7 +298,8 @@ impl PairKernel<'_> {
                 let masses = [i.mean_velocity[3], j.mean_velocity[3]];
                 (approach, masses, i.mean_spin, j.mean_spin, i.end_velocity - j.end_velocity)
             } else {
-                let (approach, masses) = difference::<V, 2>(s.velocities, b.first, b.second, mass);
+                let (approach, masses) =
+                    difference::<V, 2, _>(s.velocities, b.first, b.second, mass);
                 let spins = s.mean_spin.as_ptr().cast();
                 let ends = s.velocities.as_ptr().cast::<f64>().add(4);
                 let end = V::differences::<2>(ends, b.first, b.second);
@@ -420,19 +422,21 @@ pub(super) unsafe fn on_clump<V: Blocks>(
 /// records if given: then only differences are needed, and half as many exchanges.
 ///
 /// # Safety
-/// Four numbers of `records` begin at every place.
+/// Four numbers of `records` (or the first ones of pairs of them) begin at every place.
 #[inline(always)]
-pub(super) unsafe fn difference<V: Blocks, const EACH: usize>(
-    records: View<'_, Record>,
+pub(super) unsafe fn difference<V: Blocks, const EACH: usize, T>(
+    records: View<'_, T>,
     of: &[[u32; 8]],
     less: &[[u32; 8]],
     alike: Option<f64>,
 ) -> (V3<V>, [V; 2]) {
     debug_assert!(
-        of.iter().chain(less).flatten().all(|at| EACH * (*at as usize) < 4 * records.len())
+        of.iter().chain(less).flatten().all(|at| {
+            EACH * (*at as usize) * size_of::<f64>() < records.len() * size_of::<T>()
+        })
     );
     let from = records.as_ptr().cast();
-    // SAFETY: by the caller; a record is four numbers.
+    // SAFETY: by the caller.
     unsafe {
         match alike {
             Some(scalar) => (V3::of(V::differences::<EACH>(from, of, less)), [V::splat(scalar); 2]),
