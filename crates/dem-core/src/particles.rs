@@ -167,7 +167,7 @@ pub(crate) struct Bodies {
     pub(crate) angular_acceleration: Column<Record>,
     /// Mean velocity and mass; velocity foretold for the end of the step and charge.
     pub(crate) velocities: Column<Velocities>,
-    /// Angular velocity averaged likewise, and material number.
+    /// Angular velocity averaged over the last step, and material number.
     pub(crate) mean_spin: Column<Record>,
     /// What the integrator remembers of the translation and of the rotation (of a clump: its angular momentum); empty if
     /// nothing.

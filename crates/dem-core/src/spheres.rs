@@ -10,7 +10,7 @@ use crate::threads::View;
 pub(crate) struct SphereView<'a> {
     /// Centre; radius.
     pub(crate) position: View<'a, Record>,
-    /// Of bodies: mean velocity of the step and mass; velocity foretold for now and charge.
+    /// Of bodies: mean velocity of the step and mass; velocity foretold for its end and charge.
     pub(crate) velocities: View<'a, Velocities>,
     /// Of bodies: mean angular velocity of the step; material.
     pub(crate) mean_spin: View<'a, Record>,
