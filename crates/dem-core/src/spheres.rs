@@ -1,7 +1,7 @@
 //! What contacts know of their spheres: bodies themselves, or members of clumps.
 
 use crate::forces::Wrench;
-use crate::particles::{Record, Velocities};
+use crate::particles::{END, MEAN, Record, Velocities};
 use crate::simd::{Numbers, V3};
 use crate::threads::View;
 
@@ -81,6 +81,15 @@ impl SphereView<'_> {
     #[inline(always)]
     pub(crate) fn body(&self, sphere: usize) -> usize {
         self.clumps.map_or(sphere, |c| c.body[sphere] as usize)
+    }
+
+    /// Where the numbers of mean velocities begin, and those of the ones foretold; those of the next body follow behind two records.
+    #[inline(always)]
+    pub(crate) fn numbers_of_velocities(&self) -> [*const f64; 2] {
+        [MEAN, END].map(
+            #[inline(always)]
+            |which| self.velocities.as_ptr().cast::<Record>().wrapping_add(which).cast(),
+        )
     }
 
     /// From the body's centre to the sphere's.

@@ -122,9 +122,7 @@ impl PairKernel<'_> {
     ) {
         let s = &self.spheres;
         let position = s.position.as_ptr().cast();
-        let velocity: *const f64 = s.velocities.as_ptr().cast();
-        // Behind the mean one.
-        let end = velocity.wrapping_add(4);
+        let [velocity, end] = s.numbers_of_velocities();
         let spin = s.mean_spin.as_ptr().cast();
         let groups = batch.first.iter().zip(batch.second).zip(batch.pair);
         for (g, ((i, j), pair)) in groups.enumerate().take(GROUPS) {
@@ -190,10 +188,10 @@ impl PairKernel<'_> {
         // SAFETY: by the caller.
         unsafe {
             let arm = position - V3::of(Half::quads::<1>(c.centre.as_ptr().cast(), bodies));
-            let velocities: *const f64 = s.velocities.as_ptr().cast();
-            let v = Half::quads::<2>(velocities, bodies);
+            let [mean, end] = s.numbers_of_velocities();
+            let v = Half::quads::<2>(mean, bodies);
             let spin = V3::of(Half::quads::<1>(s.mean_spin.as_ptr().cast(), bodies));
-            let end = V3::of(Half::quads::<2>(velocities.add(4), bodies));
+            let end = V3::of(Half::quads::<2>(end, bodies));
             let end_spin = V3::of(Half::quads::<1>(c.end_spin.as_ptr().cast(), bodies));
             let [mean, end] = on_arm(arm, [V3::of(v), spin], [end, end_spin], c.dt);
             OnClump { arm, mean: [mean.x, mean.y, mean.z, v[3]], spin, end }

@@ -229,9 +229,9 @@ impl<const FUSED: bool> Half<FUSED> {
 unsafe fn two_less(from: *const f64, of: u32, less: u32) -> [__m256d; 2] {
     // SAFETY: by the caller.
     unsafe {
-        let (of, less) = (from.add(2 * of as usize), from.add(2 * less as usize));
-        let first = _mm256_sub_pd(_mm256_loadu_pd(of), _mm256_loadu_pd(less));
-        [first, _mm256_sub_pd(_mm256_loadu_pd(of.add(4)), _mm256_loadu_pd(less.add(4)))]
+        let second = from.add(4);
+        let first = _mm256_sub_pd(quad::<2>(from, of), quad::<2>(from, less));
+        [first, _mm256_sub_pd(quad::<2>(second, of), quad::<2>(second, less))]
     }
 }
 

@@ -10,7 +10,7 @@ use super::meeting::{Line, Slide, meet, slide};
 use super::{Arithmetic, Constants, Level};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
-use crate::particles::Record;
+use crate::particles::{END, Record};
 use crate::spheres::{ClumpView, SphereView, on_arm};
 use crate::sums::Pull;
 use crate::threads::View;
@@ -301,8 +301,7 @@ impl PairKernel<'_> {
                 let (approach, masses) =
                     difference::<V, 2, _>(s.velocities, b.first, b.second, mass);
                 let spins = s.mean_spin.as_ptr().cast();
-                let ends = s.velocities.as_ptr().cast::<f64>().add(4);
-                let end = V::differences::<2>(ends, b.first, b.second);
+                let end = V::differences::<2>(s.numbers_of_velocities()[END], b.first, b.second);
                 let (wi, wj) = (V::quads::<1>(spins, b.first), V::quads::<1>(spins, b.second));
                 (approach, masses, wi, wj, V3::of(end))
             }
@@ -401,14 +400,14 @@ pub(super) unsafe fn on_clump<V: Blocks>(
         *of = c.bodies_of(spheres);
     }
     let bodies = &of_bodies[..at.len()];
-    let velocities: *const f64 = s.velocities.as_ptr().cast();
+    let [mean, end] = s.numbers_of_velocities();
     // SAFETY: by the caller; spheres sit on bodies.
     let (centre, v, w, end, end_spin) = unsafe {
         (
             V3::of(V::quads::<1>(c.centre.as_ptr().cast(), bodies)),
-            V::quads::<2>(velocities, bodies),
+            V::quads::<2>(mean, bodies),
             V::quads::<1>(s.mean_spin.as_ptr().cast(), bodies),
-            V3::of(V::quads::<2>(velocities.add(4), bodies)),
+            V3::of(V::quads::<2>(end, bodies)),
             V3::of(V::quads::<1>(c.end_spin.as_ptr().cast(), bodies)),
         )
     };

@@ -118,8 +118,8 @@ impl PairKernel<'_> {
             // SAFETY: by the caller.
             unsafe {
                 let p = V::quads::<1>(s.position.as_ptr().cast(), places);
-                let velocities: *const f64 = s.velocities.as_ptr().cast();
-                let v = V::quads::<2>(velocities, places);
+                let [mean, end] = s.numbers_of_velocities();
+                let v = V::quads::<2>(mean, places);
                 let position = V3::of(p);
                 let near = nearest(wall, position, V::which(u8::MAX))
                     .unwrap_or_else(|| self.one_by_one(wall, places));
@@ -128,7 +128,7 @@ impl PairKernel<'_> {
                     size: [p[3], v[3]],
                     velocity: V3::of(v),
                     spin: V3::of(V::quads::<1>(s.mean_spin.as_ptr().cast(), places)),
-                    end: V3::of(V::quads::<2>(velocities.add(4), places)),
+                    end: V3::of(V::quads::<2>(end, places)),
                     old: remembered(memory, &fours(&entries)),
                     near,
                 });
