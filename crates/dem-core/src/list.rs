@@ -20,7 +20,7 @@ use crate::neighbour::cell_list::columns_of;
 use crate::neighbour::search::Search;
 use crate::neighbour::verlet_list::{Found, LANES};
 use crate::particles::{MEAN, Record};
-use crate::simd::widened;
+use crate::simd::widened_for;
 use crate::step::kernel_of;
 use crate::sums::PIECE;
 use crate::sweep::{FAR, MOST_STEPS};
@@ -401,17 +401,16 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             reach: self.make.range,
             margin: margin * self.make.skin,
             period,
-            level,
         };
         let count = bodies.div_ceil(SEARCH);
         s.found.resize_with(count, Found::default);
         self.team.each(count, cut(&mut s.found, 1), |c, found| {
             found[0].begin(SEARCH);
             let places = c * SEARCH..((c + 1) * SEARCH).min(bodies);
-            widened(
+            widened_for(
                 level,
                 #[inline(always)]
-                || search.pairs_of(places, &mut found[0]),
+                |level| search.pairs_of(level, places, &mut found[0]),
             );
         });
     }

@@ -74,6 +74,7 @@ impl Bounds {
     }
 
     /// Least and largest coordinates.
+    #[inline(always)]
     fn corners(&self) -> [[f64; 3]; 2] {
         [self.low, self.high].map(|[x, y, z, _]| [x, y, z])
     }
@@ -235,42 +236,84 @@ impl CellList {
         &self.order
     }
 
-    /// Call `found(k, m)` for every pair of sorted places whose gap may be below `range(k)`, where
-    /// `k` runs over `places`; the caller measures the gap.
+    /// The bodies from sorted place `begin` on, before `end`, that lie in one cell; in a period of few cells, where the rows of one
+    /// begin elsewhere than those of the next, the first of them alone.
     #[inline(always)]
-    pub(crate) fn for_each_candidate(
+    pub(crate) fn together(&self, begin: usize, end: usize, period: Option<Period>) -> Together {
+        let levels = &self.levels[..self.used_levels];
+        let own = levels.iter().position(|level| begin < level.end);
+        let own = own.expect("the last level ends behind all bodies");
+        let level = &levels[own];
+        if period.is_some_and(|p| levels.len() > 1 || level.cells[p.axis] <= 3) {
+            return Together { places: begin..begin + 1, level: own, cell: None };
+        }
+        let p = &self.sorted[begin];
+        let cell = level.cell([p.x, p.y, p.z]);
+        let end = (level.start[level.index(self.axes, cell) + 1] as usize).min(end);
+        Together { places: begin..end, level: own, cell: Some(cell) }
+    }
+
+    /// Call `found` for every row of sorted places that may hold some whose gap to one of these bodies is below `range`, at most that
+    /// for which they were sorted, and that lie behind the first of them; and whether they are of a coarser level, where all count,
+    /// and not only those behind each body. The caller measures the gaps.
+    #[inline(always)]
+    pub(crate) fn for_each_row(
         &self,
-        places: std::ops::Range<usize>,
-        range: impl Fn(usize) -> f64,
+        bodies: &Together,
+        range: f64,
         period: Option<Period>,
-        mut found: impl FnMut(usize, std::ops::Range<usize>),
+        mut found: impl FnMut(std::ops::Range<usize>, bool),
     ) {
-        for own in 0..self.used_levels {
-            let (begin, end) = (self.levels[own].begin, self.levels[own].end);
-            for k in places.start.max(begin)..places.end.min(end) {
-                let p = &self.sorted[k];
-                for l in 0..=own {
-                    let level = &self.levels[l];
-                    let reach = p.w + level.largest_radius + range(k);
-                    let least = if l == own { k + 1 } else { 0 };
-                    level.rows(
-                        self.axes,
-                        [p.x, p.y, p.z],
-                        reach,
-                        (period, l == own),
-                        #[inline(always)]
-                        |row| {
-                            let row = row.start.max(least)..row.end;
-                            if !row.is_empty() {
-                                found(k, row);
-                            }
-                        },
-                    );
+        let axes = self.axes;
+        for (l, level) in self.levels[..=bodies.level].iter().enumerate() {
+            let coarser = l != bodies.level;
+            let least = if coarser { 0 } else { bodies.places.start + 1 };
+            let cell = bodies.cell.filter(|_| !coarser);
+            let spans = if let Some(cell) = cell {
+                level.around(axes, cell, period)
+            } else {
+                let mut bounds = Bounds::NONE;
+                for p in &self.sorted[bodies.places.clone()] {
+                    bounds = bounds.with(&Bounds::of(p));
                 }
-            }
+                let reach = bounds.high[3] + level.largest_radius + range;
+                level.within_reach(axes, bounds.corners(), reach, period)
+            };
+            level.rows(
+                axes,
+                spans,
+                (period, cell),
+                #[inline(always)]
+                |row| {
+                    let row = row.start.max(least)..row.end;
+                    if !row.is_empty() {
+                        found(row, coarser);
+                    }
+                },
+            );
         }
     }
 }
+
+/// Bodies that are searched for partners together.
+#[derive(Debug, Clone)]
+pub(crate) struct Together {
+    /// Their sorted places.
+    pub(crate) places: std::ops::Range<usize>,
+    level: usize,
+    /// That of all of them; none of one that goes alone.
+    cell: Option<[usize; 3]>,
+}
+
+impl Together {
+    /// Whether this is one body that goes alone.
+    pub(crate) fn is_alone(&self) -> bool {
+        self.cell.is_none()
+    }
+}
+
+/// First and last cell along an axis; those of a period may lie a period beyond it.
+type Span = (isize, isize);
 
 /// A cell's number within its period, for one that lies a period beyond it at most.
 #[inline(always)]
@@ -286,6 +329,7 @@ fn within(cell: isize, cells: usize) -> usize {
 }
 
 impl Level {
+    #[inline(always)]
     fn cell(&self, x: [f64; 3]) -> [usize; 3] {
         std::array::from_fn(|k| self.cell_along(k, x[k]))
     }
@@ -295,48 +339,71 @@ impl Level {
         (((x - self.origin[k]) * self.inverse_size[k]).max(0.0) as usize).min(self.cells[k] - 1)
     }
 
+    #[inline(always)]
     fn index(&self, axes: [usize; 3], c: [usize; 3]) -> usize {
         let [f, m, s] = axes;
         (c[s] * self.cells[m] + c[m]) * self.cells[f] + c[f]
     }
 
-    /// The rows of cells within `reach` of `x`, as ranges of sorted places; where only those `behind` the cell of `x`
-    /// count, few others.
+    /// Cells next to one and itself, along the axes of rows, layers and the last one: they are as wide as bodies of the level reach,
+    /// and more than three along a period.
+    #[inline(always)]
+    fn around(&self, axes: [usize; 3], cell: [usize; 3], period: Option<Period>) -> [Span; 3] {
+        let mut spans = [(0, 0); 3];
+        for (span, k) in spans.iter_mut().zip(axes) {
+            let (own, last) = (cell[k] as isize, self.cells[k] as isize - 1);
+            *span = if period.is_none_or(|p| p.axis != k) {
+                ((own - 1).max(0), (own + 1).min(last))
+            } else {
+                (own - 1, own + 1)
+            };
+        }
+        spans
+    }
+
+    /// Cells within `reach` of a box from `low` to `high`, along the same axes.
+    #[inline(always)]
+    fn within_reach(
+        &self,
+        axes: [usize; 3],
+        [low, high]: [[f64; 3]; 2],
+        reach: f64,
+        period: Option<Period>,
+    ) -> [Span; 3] {
+        let mut spans = [(0, 0); 3];
+        for (span, k) in spans.iter_mut().zip(axes) {
+            let (low, high) = (low[k] - reach, high[k] + reach);
+            if period.is_none_or(|p| p.axis != k) {
+                *span = (self.cell_along(k, low) as isize, self.cell_along(k, high) as isize);
+                continue;
+            }
+            let [low, high] = [low, high].map(
+                #[inline(always)]
+                |x| ((x - self.origin[k]) * self.inverse_size[k]).floor() as isize,
+            );
+            let all = self.cells[k] as isize;
+            *span = if high - low + 1 >= all { (0, all - 1) } else { (low, high) };
+        }
+        spans
+    }
+
+    /// The rows of these cells, as ranges of sorted places; where only those `behind` a cell count, few others.
     #[inline(always)]
     fn rows(
         &self,
         axes: [usize; 3],
-        x: [f64; 3],
-        reach: f64,
-        (period, behind): (Option<Period>, bool),
+        [(f0, f1), (m0, m1), (mut s0, s1)]: [Span; 3],
+        (period, behind): (Option<Period>, Option<[usize; 3]>),
         mut row: impl FnMut(std::ops::Range<usize>),
     ) {
         let [f, m, s] = axes;
-        let span = |k: usize| -> (isize, isize) {
-            if period.is_some_and(|p| p.axis == k) {
-                let low = ((x[k] - reach - self.origin[k]) * self.inverse_size[k]).floor() as isize;
-                let high =
-                    ((x[k] + reach - self.origin[k]) * self.inverse_size[k]).floor() as isize;
-                let all = self.cells[k] as isize;
-                if high - low + 1 >= all { (0, all - 1) } else { (low, high) }
-            } else {
-                (
-                    self.cell_along(k, x[k] - reach) as isize,
-                    self.cell_along(k, x[k] + reach) as isize,
-                )
-            }
-        };
-        let (f0, f1) = span(f);
-        let (m0, m1) = span(m);
-        let (mut s0, s1) = span(s);
-        let (own_m, own_s) = (self.cell_along(m, x[m]) as isize, self.cell_along(s, x[s]) as isize);
         // Beyond the end of a period rows begin anew.
-        let behind = behind && !period.is_some_and(|p| p.axis == m || p.axis == s);
-        if behind {
-            s0 = own_s;
-        }
+        let behind = behind.filter(|_| !period.is_some_and(|p| p.axis == m || p.axis == s));
+        let [own_m, own_s] =
+            behind.map_or([m0, s0 - 1], |cell| [cell[m] as isize, cell[s] as isize]);
+        s0 = s0.max(own_s);
         for cs in s0..=s1 {
-            let m0 = if behind && cs == own_s { own_m } else { m0 };
+            let m0 = if cs == own_s { own_m } else { m0 };
             let cs = within(cs, self.cells[s]);
             for cm in m0..=m1 {
                 let cm = within(cm, self.cells[m]);
@@ -377,21 +444,23 @@ mod tests {
         let team = Team::new(2);
         team.enter(|| cells.sort(p, range, period, &team));
         let mut out = Vec::new();
-        cells.for_each_candidate(
-            0..p.len(),
-            |_| range,
-            period,
-            |k, row| {
-                for m in row {
-                    let (a, b) = (cells.sorted[k], cells.sorted[m]);
-                    let d = Period::shortest(period, b.vector() - a.vector());
-                    if d.length() < a.w + b.w + range {
-                        let (i, j) = (cells.order[k], cells.order[m]);
-                        out.push((i.min(j), i.max(j)));
+        let mut begin = 0;
+        while begin < p.len() {
+            let bodies = cells.together(begin, p.len(), period);
+            begin = bodies.places.end;
+            cells.for_each_row(&bodies, range, period, |row, coarser| {
+                for k in bodies.places.clone() {
+                    for m in row.clone().filter(|m| coarser || *m > k) {
+                        let (a, b) = (cells.sorted[k], cells.sorted[m]);
+                        let d = Period::shortest(period, b.vector() - a.vector());
+                        if d.length() < a.w + b.w + range {
+                            let (i, j) = (cells.order[k], cells.order[m]);
+                            out.push((i.min(j), i.max(j)));
+                        }
                     }
                 }
-            },
-        );
+            });
+        }
         out.sort_unstable();
         out
     }

@@ -251,10 +251,10 @@ pub(crate) trait RecordWork {
 pub(crate) fn on_records<W: RecordWork>(level: Level, arithmetic: Arithmetic, work: W) -> W::Yield {
     #[cfg(target_arch = "x86_64")]
     if level != Level::Portable {
-        return widened(
+        return widened_for(
             level,
             #[inline(always)]
-            || {
+            |level| {
                 use records::{Eight, Four};
                 match (level, arithmetic) {
                     (Level::Avx512, Arithmetic::Exact) => work.run::<Four<false>, Eight<false>>(),
@@ -272,15 +272,25 @@ pub(crate) fn on_records<W: RecordWork>(level: Level, arithmetic: Arithmetic, wo
 /// Run `work` compiled for the instructions of `level`: the same operations, wider registers.
 #[inline(always)]
 pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
+    widened_for(
+        level,
+        #[inline(always)]
+        |_| work(),
+    )
+}
+
+/// The same for work that asks for the level, which the compiler knows there.
+#[inline(always)]
+pub(crate) fn widened_for<R>(level: Level, work: impl FnOnce(Level) -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,popcnt")]
-        unsafe fn avx512<R>(work: impl FnOnce() -> R) -> R {
-            work()
+        unsafe fn avx512<R>(work: impl FnOnce(Level) -> R) -> R {
+            work(Level::Avx512)
         }
         #[target_feature(enable = "avx2,fma,popcnt")]
-        unsafe fn avx2<R>(work: impl FnOnce() -> R) -> R {
-            work()
+        unsafe fn avx2<R>(work: impl FnOnce(Level) -> R) -> R {
+            work(Level::Avx2)
         }
         // SAFETY: `level` comes from `Level::detect`, which asked the processor.
         match level {
@@ -290,7 +300,7 @@ pub(crate) fn widened<R>(level: Level, work: impl FnOnce() -> R) -> R {
         }
     }
     let _ = level;
-    work()
+    work(Level::Portable)
 }
 
 #[cfg(all(test, target_arch = "x86_64"))]

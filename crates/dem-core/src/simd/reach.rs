@@ -6,60 +6,62 @@ use super::{Level, V3};
 use super::{avx2, avx512};
 use crate::neighbour::Period;
 use crate::neighbour::search::SET_BITS;
-use crate::particles::{Column, Record};
+use crate::particles::Record;
 
-/// Bits of those among eight spheres (coordinates and radii in `columns` from `begin` on) whose gap to
-/// `own` is below the range, and of those whose gap is below the margin.
+/// Of each of some spheres, the bits of those among eight others (coordinates, radii and what each may move) whose gap to it is below
+/// its range, which is one of these and what they may move, and of those whose gap is below the margin.
 #[inline(always)]
 pub(crate) fn in_reach(
     level: Level,
-    own: &Record,
-    (columns, more): (&[Column<f64>; 4], Option<&[f64; 8]>),
-    begin: usize,
-    gaps: [f64; 2],
+    spheres: &[Record],
+    others: [&[f64; 8]; 5],
+    (ranges, margin): (&[f64], f64),
     period: Option<Period>,
-) -> [u8; 2] {
-    let eight = |k: usize| columns[k][begin..].first_chunk::<8>();
-    let (Some(x), Some(y), Some(z), Some(r)) = (eight(0), eight(1), eight(2), eight(3)) else {
-        return [0; 2];
-    };
-    let more = more.unwrap_or(&[0.0; 8]);
+    marks: &mut [[u8; 2]],
+) {
     #[cfg(target_arch = "x86_64")]
     match level {
         Level::Avx512 => {
-            return reach::<avx512::Wide<false, false>>(own, [x, y, z, r, more], gaps, period);
+            type Eight = avx512::Wide<false, false>;
+            return reach::<Eight>(spheres, others, (ranges, margin), period, marks);
         }
-        Level::Avx2 => return reach::<avx2::Pair<false>>(own, [x, y, z, r, more], gaps, period),
+        Level::Avx2 => {
+            return reach::<avx2::Pair<false>>(spheres, others, (ranges, margin), period, marks);
+        }
         Level::Portable => {}
     }
     let _ = level;
-    (0..8).fold([0; 2], |[near, touching], k| {
-        let d = glam::DVec3::new(x[k] - own.x, y[k] - own.y, z[k] - own.z);
-        let d2 = Period::shortest(period, d).length_squared();
-        let below = |gap: f64| u8::from(d2 < (own.w + r[k] + gap).powi(2)) << k;
-        [near | below(gaps[0] + more[k]), touching | below(gaps[1])]
-    })
+    let [x, y, z, r, more] = others;
+    for ((own, range), marks) in spheres.iter().zip(ranges).zip(marks) {
+        *marks = (0..8).fold([0; 2], |[near, touching], k| {
+            let d = glam::DVec3::new(x[k] - own.x, y[k] - own.y, z[k] - own.z);
+            let d2 = Period::shortest(period, d).length_squared();
+            let below = |gap: f64| u8::from(d2 < (own.w + r[k] + gap).powi(2)) << k;
+            [near | below(range + more[k]), touching | below(margin)]
+        });
+    }
 }
 
 #[inline(always)]
 fn reach<V: Lanes>(
-    own: &Record,
+    spheres: &[Record],
     [x, y, z, r, more]: [&[f64; 8]; 5],
-    gaps: [f64; 2],
+    (ranges, margin): (&[f64], f64),
     period: Option<Period>,
-) -> [u8; 2] {
-    let mut d = V3 {
-        x: V::load(x) - V::splat(own.x),
-        y: V::load(y) - V::splat(own.y),
-        z: V::load(z) - V::splat(own.z),
-    };
-    if let Some(p) = period {
-        d = d.shortest(p);
+    marks: &mut [[u8; 2]],
+) {
+    let others = V3 { x: V::load(x), y: V::load(y), z: V::load(z) };
+    let (r, more, margin) = (V::load(r), V::load(more), V::splat(margin));
+    for ((own, range), marks) in spheres.iter().zip(ranges).zip(marks) {
+        let mut d = others - V3 { x: V::splat(own.x), y: V::splat(own.y), z: V::splat(own.z) };
+        if let Some(p) = period {
+            d = d.shortest(p);
+        }
+        let (d2, both) = (d.dot(d), V::splat(own.w) + r);
+        let range = both + (V::splat(*range) + more);
+        let margin = both + margin;
+        *marks = [d2.less(range * range), d2.less(margin * margin)];
     }
-    let (d2, both) = (d.dot(d), V::splat(own.w) + V::load(r));
-    let range = both + (V::splat(gaps[0]) + V::load(more));
-    let margin = both + V::splat(gaps[1]);
-    [d2.less(range * range), d2.less(margin * margin)]
 }
 
 /// Put the marked ones of eight numbers below 2^31 side by side, with their highest bit where `highest` has one; whatever is written
