@@ -246,13 +246,12 @@ pub(crate) fn near_pairs<M: ContactLaw>(
 fn acted_before(active: &[u8]) -> [u64; CHUNK / 64] {
     let mut bits = [0; CHUNK / 64];
     for (bits, active) in bits.iter_mut().zip(active.chunks(64)) {
-        for (block, marks) in active.chunks(LANES).enumerate() {
-            if marks.first_chunk::<LANES>() == Some(&[0; LANES]) {
-                continue;
-            }
-            for (lane, _) in marks.iter().enumerate().filter(|(_, mark)| **mark != 0) {
-                *bits |= 1 << (block * LANES + lane);
-            }
+        // Few are, and told by wide registers: seldom is one among so many.
+        if active.iter().fold(0, |any, mark| any | mark) == 0 {
+            continue;
+        }
+        for (k, mark) in active.iter().enumerate() {
+            *bits |= u64::from(*mark != 0) << k;
         }
     }
     bits

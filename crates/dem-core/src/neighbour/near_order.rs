@@ -143,7 +143,8 @@ impl NearOrder {
         }
         let chunk = self.chunks.get(c)?;
         let farthest = |most: f64, piece: &u32| {
-            most.max(moved.square.get(*piece as usize).copied().unwrap_or(f64::INFINITY))
+            let square = moved.square.get(*piece as usize).copied().unwrap_or(f64::INFINITY);
+            if square > most { square } else { most }
         };
         let most = chunk.pieces.iter().fold(0.0, farthest).sqrt();
         // A hair more, for rounding.

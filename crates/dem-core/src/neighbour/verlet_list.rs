@@ -205,8 +205,14 @@ impl PairList {
                 work: |c: usize, ()| {
                     let begin = c * CHUNK;
                     let marks = &known[begin..(begin + CHUNK).min(known.len())];
-                    for (k, _) in marks.iter().enumerate().filter(|(_, active)| **active != 0) {
-                        let was = begin + k;
+                    // Put side by side first: every other pair touches, which nobody foretells.
+                    let (mut acting, mut count) = ([0u16; CHUNK], 0);
+                    for (k, mark) in marks.iter().enumerate() {
+                        acting[count] = k as u16;
+                        count += usize::from(*mark != 0);
+                    }
+                    for k in &acting[..count] {
+                        let was = begin + usize::from(*k);
                         let (a, b) = (now(old.first[was]), now(old.second[was]));
                         if let Some(pair) = list.find(a, b) {
                             came_from[slots * pair].store(was as u64, Ordering::Relaxed);
@@ -303,10 +309,35 @@ impl PairList {
     pub(crate) fn find(&self, first: u32, second: u32) -> Option<usize> {
         let owner = first.min(second) as usize;
         let runs = [&self.touching_start, &self.near_start];
-        runs.into_iter().find_map(|start| {
-            (start[owner] as usize..start[owner + 1] as usize)
-                .find(|&p| self.first[p] == first && self.second[p] == second)
-        })
+        for start in runs {
+            let (mut begin, end) = (start[owner] as usize, start[owner + 1] as usize);
+            while begin < end {
+                if let Some(place) = self.among_eight(begin, end - begin, [first, second]) {
+                    return Some(place);
+                }
+                begin += LANES;
+            }
+        }
+        None
+    }
+
+    /// Place of a pair among the first `count` of eight from `begin` on, if it is one of them.
+    #[inline(always)]
+    fn among_eight(&self, begin: usize, count: usize, [a, b]: [u32; 2]) -> Option<usize> {
+        let (first, second) = (&self.first[begin..], &self.second[begin..]);
+        let (Some(first), Some(second)) = (first.first_chunk::<LANES>(), second.first_chunk())
+        else {
+            let mut all = first.iter().zip(second).take(count);
+            return all.position(|pair| pair == (&a, &b)).map(|nth| begin + nth);
+        };
+        let second: &[u32; LANES] = second;
+        // Once at most, so that nothing branches on where it is.
+        let mut nth = 0;
+        for lane in 0..LANES {
+            let here = (first[lane] == a) & (second[lane] == b) & (lane < count);
+            nth += if here { lane + 1 } else { 0 };
+        }
+        (nth != 0).then(|| begin + nth - 1)
     }
 }
 
@@ -325,17 +356,21 @@ impl Placing<'_> {
     fn place(&mut self, spheres: usize, found: &[Found], of: Kind, begin: usize) {
         self.start.clear();
         self.start.resize(spheres + 1, 0);
-        for pair in found.iter().flat_map(of) {
-            self.start[owner(*pair)] += 1;
+        for pairs in found {
+            for pair in of(pairs) {
+                self.start[owner(*pair)] += 1;
+            }
         }
         ends_from_counts(self.start, begin);
         // From the back, so that pairs keep the order in which they were found and the counters
         // end at the beginnings.
-        for pair in found.iter().rev().flat_map(|f| of(f).iter().rev()) {
-            let place = &mut self.start[owner(*pair)];
-            *place -= 1;
-            let to = *place as usize - begin;
-            (self.first[to], self.second[to]) = (pair[0], pair[1]);
+        for pairs in found.iter().rev() {
+            for pair in of(pairs).iter().rev() {
+                let place = &mut self.start[owner(*pair)];
+                *place -= 1;
+                let to = *place as usize - begin;
+                (self.first[to], self.second[to]) = (pair[0], pair[1]);
+            }
         }
     }
 }
