@@ -257,7 +257,7 @@ impl<M> Kick<'_, M> {
     }
 
     /// [`Kick::bodies`] and [`Drift::bodies`] at once for schemes that need nothing of the first half but mean velocities:
-    /// three of ten records a body are left alone, a third of what goes through the cache. What velocities and accelerations
+    /// four of ten records a body are left alone, almost half of what goes through the cache. What velocities and accelerations
     /// are follows from what is kept ([`Run::recall`]); the last step of a run keeps them.
     #[inline(always)]
     fn and_drift<Q: Quad, W: Quads, I: Integrator>(
@@ -320,7 +320,8 @@ impl<M> Kick<'_, M> {
             let [mean, end] = W::load_twos(&run.velocities[k..]);
             let position = W::load_some(&run.position[k..]);
             let then = W::load_some(&reference[k..]);
-            let old = W::load_some(&run.spin[k..]);
+            // Of spins only the moments of inertia beside them count.
+            let moments = if ALIKE { none } else { W::load_some(&run.spin[k..]) };
             let mean_spin = W::load_some(&run.mean_spin[k..]);
             // Sums have no scalars, so that those of means stay.
             let a = if ALIKE {
@@ -333,13 +334,12 @@ impl<M> Kick<'_, M> {
             let position = position.plus_times(d.mean_velocity, dt).with_scalars_of(position);
             let (squares, too_far) = (position - then.turned(&frame)).beyond(then);
             (largest, beyond) = (largest.larger(squares), beyond | too_far);
-            let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(old) };
-            let w = integrator.kick(old, mean_spin, none, a, &mut { none }, dt);
+            let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(moments) };
+            let w = integrator.kick(none, mean_spin, none, a, &mut { none }, dt);
             let turn = integrator.drift(w, a, &mut { none }, dt);
             let end = d.end_velocity.with_scalars_of(end);
             W::store_twos([d.mean_velocity, end], &mut run.velocities[k..]);
             position.store_some(&mut run.position[k..]);
-            w.with_scalars_of(old).store_some(&mut run.spin[k..]);
             turn.mean_velocity.store_some(&mut run.mean_spin[k..]);
         }
         farthest.too_far |= beyond != 0;

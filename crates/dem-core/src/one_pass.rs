@@ -29,7 +29,7 @@ use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
 use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Ring};
 use crate::threads::{Chunks, Cut, Groups, InTurn, Runs, View, chosen, cut, cut_groups, packed};
-use crate::world::{BodyYield, StripYield, World, sphere_view};
+use crate::world::{BodyYield, Make, StripYield, World, sphere_view};
 
 /// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
 pub(crate) type Chunk<'a> =
@@ -53,6 +53,14 @@ pub(crate) fn no_clumps<'a>() -> (Chunks<'a, glam::DQuat>, Chunks<'a, Record>, G
     cut_clumps(&mut [], &mut [], &mut [], &[])
 }
 
+/// Spins, which have the moments of inertia, where these are not one for all.
+pub(crate) fn moments_of<'a, M>(
+    make: &Make<M>,
+    spins: View<'a, Record>,
+) -> Option<View<'a, Record>> {
+    make.one_inertia.is_none().then_some(spins)
+}
+
 /// What is the same for all strips.
 pub(crate) struct Pass<'a, M, I> {
     pub(crate) context: Contacts<'a, M>,
@@ -69,8 +77,9 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) kept: Option<[View<'a, Record>; 3]>,
     /// Whether places are asked for before they are needed: where the second-level cache does not hold the bed.
     pub(crate) warm: bool,
-    /// Spins and places when the list was made, of a bed that no cache holds: there everything is asked for.
-    pub(crate) far: Option<[View<'a, Record>; 2]>,
+    /// Places when the list was made, and what has the moments of inertia where they differ, of a bed that no cache holds: there
+    /// everything is asked for.
+    pub(crate) far: Option<[Option<View<'a, Record>>; 2]>,
 }
 
 /// How far a strip has been gone through.
@@ -191,7 +200,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 turns: &turns,
                 kept: Some(wrenches.each_ref().map(Chunks::view)),
                 warm: count > WARM && !clumps,
-                far: (count > make.far && !clumps).then(|| [spins, drift.reference.into()]),
+                far: (count > make.far && !clumps)
+                    .then(|| [Some(drift.reference.into()), moments_of(make, spins)]),
             };
             let near_begin = pairs.near_begin;
             let mut chunks = (
@@ -410,7 +420,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 if let Some(own) = self.far {
                     fetch(s.mean_spin, spheres.clone());
                     fetch(s.velocities, spheres.clone());
-                    for records in own {
+                    for records in own.into_iter().flatten() {
                         let begin = gone.asked[1].max(finished.saturating_sub(2 * AHEAD));
                         fetch(records, begin..finished);
                     }

@@ -18,7 +18,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// # Errors
     /// A [`crate::error::Fault`]; the world is left as it was when the fault was found. In a bed of more than 20 000 spheres some
     /// may have been up to three steps ahead then: they are put back to within a micrometre, what their contacts remember is not,
-    /// and numbers that are none are found up to three steps later.
+    /// and numbers that are none are found up to three steps later. Spheres that had begun the next step turn as they do on the mean
+    /// of it.
     pub fn run(&mut self, steps: u64) -> Result<(), Error> {
         let team = self.team.clone();
         team.enter(|| {

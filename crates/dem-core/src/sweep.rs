@@ -21,7 +21,7 @@ use crate::forces::deeper;
 use crate::integrate::Integrator;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
-use crate::one_pass::{Chunk, OfBodies, Pass, no_clumps};
+use crate::one_pass::{Chunk, OfBodies, Pass, moments_of, no_clumps};
 use crate::particles::{Bodies, Record};
 use crate::spheres::{Seats, SphereView};
 use crate::step::{contacts_of, kernel_of};
@@ -332,7 +332,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             turns: &self.turns(&[], &[]),
             kept: None,
             warm: far.is_some(),
-            far: far.map(|spins| [spins, drift.reference.into()]),
+            far: far.map(|spins| [Some(drift.reference.into()), moments_of(make, spins)]),
         };
         pass.go(0, &mut bodies, &mut chunks, &mut tier.ring, &mut tier.gone, until);
     }

@@ -153,3 +153,32 @@ fn a_fault_in_a_sweep_is_told_as_by_single_steps_and_leaves_the_world_there() {
     }
     assert!(found.iter().any(|deep| *deep > 0), "no fault in a sweep: {found:?}");
 }
+
+#[test]
+fn after_a_fault_who_has_moved_on_turns_as_in_the_step_that_it_had_begun() {
+    let mut moved_on = 0;
+    for limit in [3e-3, 5e-3, 7e-3] {
+        let run = |steps: u64| {
+            let mut w = tube(usize::MAX, 1, Kernels::Fastest);
+            w.run(300).unwrap();
+            w.make.overlap_limit = limit;
+            while w.run(steps).is_ok() {}
+            w
+        };
+        let (together, mut apart) = (run(4000), run(1));
+        assert_eq!(together.step_number(), apart.step_number());
+        let team = apart.team.clone();
+        team.enter(|| apart.move_bodies(crate::body_stage::Halves::Drift));
+        for p in apart.particles() {
+            let (b, other) = (&together.state.bodies, &apart.state.bodies);
+            let [own, place] = [b, other].map(|b| b.place[p.0 as usize] as usize);
+            let (now, then) = (other.spin[place].vector(), other.mean_spin[place].vector());
+            if b.spin[own].vector() != now {
+                assert_eq!(b.spin[own].vector(), then, "{limit}, {p}");
+                assert_eq!(b.angular_acceleration[own].vector(), glam::DVec3::ZERO);
+                moved_on += 1;
+            }
+        }
+    }
+    assert!(moved_on > 100, "only {moved_on} had moved on");
+}
