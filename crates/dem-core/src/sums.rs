@@ -13,7 +13,10 @@ use crate::spheres::Seats;
 use crate::world::Wrenches;
 
 /// Spheres whose forces are summed at once.
-pub(crate) const PIECE: usize = 64;
+pub(crate) const PIECE: usize = 128;
+
+/// Spheres whose late ends follow each other. Which they are tells in what order those of a body of several spheres are summed.
+const LATE_PIECE: usize = 64;
 
 /// Force and torque on one body: a line of the cache.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -74,7 +77,7 @@ impl LateEnds {
     pub(crate) fn clear(&mut self, spheres: usize) {
         for ends in [&mut self.first, &mut self.last] {
             ends.clear();
-            ends.resize(spheres.div_ceil(PIECE), NONE);
+            ends.resize(spheres.div_ceil(LATE_PIECE), NONE);
         }
         self.next.clear();
     }
@@ -87,7 +90,7 @@ impl LateEnds {
 
     fn push(&mut self, late: &Late) {
         for sphere in [late.first, late.second] {
-            let (piece, end) = (sphere as usize / PIECE, self.next.len() as u32);
+            let (piece, end) = (sphere as usize / LATE_PIECE, self.next.len() as u32);
             match self.last[piece] {
                 NONE => self.first[piece] = end,
                 before => self.next[before as usize] = end,
@@ -276,7 +279,7 @@ impl Collect<'_> {
                 add(pair, a.min(b), b < a);
             }
         }
-        let pieces = begin / PIECE..(end - 1) / PIECE + 1;
+        let pieces = begin / LATE_PIECE..(end - 1) / LATE_PIECE + 1;
         for l in pieces.flat_map(|piece| self.late_ends.of(piece)) {
             let late = &w.late[(l / 2) as usize];
             let (sphere, f, t) = if l & 1 == 0 {
