@@ -493,4 +493,18 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn pairs_across_a_period_of_few_cells_are_found_once() {
+        for (cells, length) in [(2, 2.5), (3, 3.5), (4, 4.5)] {
+            let period = Some(Period { axis: 2, min: 0.0, length });
+            let mut p = cloud(800, 1.0);
+            p.iter_mut().for_each(|p| p.z *= length / 6.0);
+            let mut list = CellList::default();
+            assert_eq!(pairs(&mut list, &p, 0.1, period), brute(&p, 0.1, period), "{cells}");
+            assert_eq!(list.levels[0].cells[2], cells);
+            // Their rows begin elsewhere for each.
+            assert_eq!(list.together(0, p.len(), period).is_alone(), cells < 4);
+        }
+    }
 }
