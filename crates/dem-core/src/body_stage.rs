@@ -257,8 +257,8 @@ impl<M> Kick<'_, M> {
     }
 
     /// [`Kick::bodies`] and [`Drift::bodies`] at once for schemes that need nothing of the first half but mean velocities:
-    /// four of ten records a body are left alone, almost half of what goes through the cache. What velocities and accelerations
-    /// are follows from what is kept ([`Run::recall`]); the last step of a run keeps them.
+    /// four of ten records a body are left alone, but for the moments of inertia beside the spins of spheres that differ. What
+    /// velocities and accelerations are follows from what is kept ([`Run::recall`]); the last step of a run keeps them.
     #[inline(always)]
     fn and_drift<Q: Quad, W: Quads, I: Integrator>(
         &self,

@@ -92,11 +92,11 @@ impl Around {
         marks: [[[0; 2]; BODIES]; BLOCKS],
     };
 
-    /// Take in a block of places that begins there, `left` of which are left in their row.
+    /// Take in a block of places that begins there, and which of them count.
     #[inline(always)]
-    fn push(&mut self, begin: usize, left: usize, coarser: bool) {
+    fn push(&mut self, (begin, valid): (usize, u8), coarser: bool) {
         self.begins[self.count] = begin;
-        self.valid[self.count] = lowest_bits(left);
+        self.valid[self.count] = valid;
         self.own[self.count] = if coarser { usize::MAX } else { begin };
         self.count += 1;
     }
@@ -129,12 +129,12 @@ impl Search<'_> {
                 self.period,
                 #[inline(always)]
                 |row, coarser| {
-                    for begin in row.clone().step_by(LANES) {
+                    for block in eights(row) {
                         if around.count == BLOCKS {
                             let places = &bodies.places;
                             self.hold_against(level, places, &mut around, &mut candidates, found);
                         }
-                        around.push(begin, row.end - begin, coarser);
+                        around.push(block, coarser);
                     }
                 },
             );
@@ -155,10 +155,10 @@ impl Search<'_> {
         found: &mut Found,
     ) {
         let (order, [x, y, z, r]) = (self.cells.order_and_more(), &self.cells.columns);
+        let columns = [x, y, z, r, self.sorted_reserve];
         let Around { begins, valid, own, count, marks } = around;
         let blocks = std::mem::take(count);
-        let mut first = run.start;
-        while first < run.end {
+        for first in run.clone().step_by(BODIES) {
             let end = run.end.min(first + BODIES);
             let bodies = &self.cells.sorted[first..end];
             let mut ranges = [0.0; BODIES];
@@ -166,12 +166,10 @@ impl Search<'_> {
                 *range = reserve + self.reach;
             }
             for (begin, marks) in begins[..blocks].iter().zip(marks.iter_mut()) {
-                let others = [x, y, z, r].map(
+                let others = columns.map(
                     #[inline(always)]
                     |column| eight_from(column, *begin),
                 );
-                let [x, y, z, r] = others;
-                let others = [x, y, z, r, eight_from(self.sorted_reserve, *begin)];
                 let gaps = (&ranges[..], self.margin);
                 crate::simd::in_reach(level, bodies, others, gaps, self.period, marks);
             }
@@ -194,7 +192,6 @@ impl Search<'_> {
                 }
                 candidates.count = count;
             }
-            first = end;
         }
     }
 

@@ -325,12 +325,11 @@ impl PairList {
     #[inline(always)]
     fn among_eight(&self, begin: usize, count: usize, [a, b]: [u32; 2]) -> Option<usize> {
         let (first, second) = (&self.first[begin..], &self.second[begin..]);
-        let (Some(first), Some(second)) = (first.first_chunk::<LANES>(), second.first_chunk())
-        else {
+        let chunks = (first.first_chunk::<LANES>(), second.first_chunk::<LANES>());
+        let (Some(first), Some(second)) = chunks else {
             let mut all = first.iter().zip(second).take(count);
             return all.position(|pair| pair == (&a, &b)).map(|nth| begin + nth);
         };
-        let second: &[u32; LANES] = second;
         // Once at most, so that nothing branches on where it is.
         let mut nth = 0;
         for lane in 0..LANES {
