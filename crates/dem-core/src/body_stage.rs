@@ -12,7 +12,7 @@ use crate::energy::Flow;
 use crate::integrate::Integrator;
 use crate::list::Turn;
 use crate::particles::{END, MEAN, Record};
-use crate::simd::{Quad, Quads, RecordWork, on_records};
+use crate::simd::{Apart, Quad, Quads, RecordWork, on_records};
 use crate::spheres::Seats;
 use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Seated};
 use crate::threads::cut;
@@ -302,48 +302,96 @@ impl<M> Kick<'_, M> {
         bodies: std::ops::Range<usize>,
         farthest: &mut Farthest,
     ) {
-        let dt = self.dt;
         let [mass, moment] = self.make.one_inertia.unwrap_or([1.0; 2]);
-        let (by_mass, by_moment) = (1.0 / mass, 1.0 / moment);
-        let (gravity, none) = (W::alike(&Record::new(self.gravity, 0.0)), W::alike(&Record::ZERO));
-        let [x, y, z, shift] = drift.frame.columns();
-        let frame = [W::alike(&x), W::alike(&y), W::alike(&z), W::alike(&shift)];
+        let same = Same {
+            gravity: W::alike(&Record::new(self.gravity, 0.0)),
+            none: W::alike(&Record::ZERO),
+            by_mass: 1.0 / mass,
+            by_moment: 1.0 / moment,
+            dt: self.dt,
+        };
+        let frame = drift.frame.columns();
         let reference = &drift.reference[run.begin..run.begin + run.position.len()];
-        let run = run.even();
-        let (mut largest, mut beyond) = (none, 0);
-        for k in bodies.step_by(W::COUNT) {
-            // The sums are zero again for whose turn comes next.
-            debug_assert!(sums[k].force.w == 0.0 && sums[k].torque.w == 0.0, "a sum has a scalar");
-            let [force, torque] = W::take(&mut sums[k..]);
-            // All is read before anything is written: columns often begin at the same place of a page, and some
-            // processors take what is read for what has just been written at the same place of another page.
-            let [mean, end] = W::load_twos(&run.velocities[k..]);
-            let position = W::load_some(&run.position[k..]);
-            let then = W::load_some(&reference[k..]);
-            // Of spins only the moments of inertia beside them count.
-            let moments = if ALIKE { none } else { W::load_some(&run.spin[k..]) };
-            let mean_spin = W::load_some(&run.mean_spin[k..]);
-            // Sums have no scalars, so that those of means stay.
-            let a = if ALIKE {
-                gravity.plus_times(force, by_mass)
-            } else {
-                gravity.plus_over_scalars(force, mean)
-            };
-            let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
-            let d = integrator.drift(v, a, &mut { none }, dt);
-            let position = position.plus_times(d.mean_velocity, dt).with_scalars_of(position);
-            let (squares, too_far) = (position - then.turned(&frame)).beyond(then);
-            (largest, beyond) = (largest.larger(squares), beyond | too_far);
-            let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(moments) };
-            let w = integrator.kick(none, mean_spin, none, a, &mut { none }, dt);
-            let turn = integrator.drift(w, a, &mut { none }, dt);
-            let end = d.end_velocity.with_scalars_of(end);
-            W::store_twos([d.mean_velocity, end], &mut run.velocities[k..]);
-            position.store_some(&mut run.position[k..]);
-            turn.mean_velocity.store_some(&mut run.mean_spin[k..]);
+        let mut run = run.even();
+        let mut apart = Apart { largest: same.none, beyond: 0 };
+        let (begin, end) = (bodies.start, bodies.end);
+        let four = 4 * W::COUNT;
+        let fours = begin..end - (end - begin) % four;
+        for k in fours.clone().step_by(four) {
+            // Cut to a length that is known, so that nobody asks for it once more.
+            let (sums, then) = (&mut sums[k..k + four], &reference[k..k + four]);
+            let (mut run, at) = (run.some(k..k + four), [0, 1, 2, 3].map(|nth| nth * W::COUNT));
+            let position = [
+                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[0]),
+                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[1]),
+                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[2]),
+                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[3]),
+            ];
+            let then = [
+                W::load_some(&then[at[0]..]),
+                W::load_some(&then[at[1]..]),
+                W::load_some(&then[at[2]..]),
+                W::load_some(&then[at[3]..]),
+            ];
+            W::four_apart(&position, &then, &frame, &mut apart);
         }
-        farthest.too_far |= beyond != 0;
-        farthest.square = farthest.square.max(largest.largest());
+        for k in (fours.end..end).step_by(W::COUNT) {
+            let position = same.moved_on::<I, ALIKE>(integrator, &mut run, sums, k);
+            position.apart(W::load_some(&reference[k..]), &frame, &mut apart);
+        }
+        farthest.too_far |= apart.beyond != 0;
+        farthest.square = farthest.square.max(apart.largest.largest());
+    }
+}
+
+/// What is the same for bodies that move on, as many at a time as `W` holds.
+struct Same<W> {
+    gravity: W,
+    none: W,
+    /// Where all bodies are alike.
+    by_mass: f64,
+    by_moment: f64,
+    dt: f64,
+}
+
+impl<W: Quads> Same<W> {
+    /// Move some on; where they are then.
+    #[inline(always)]
+    fn moved_on<I: Integrator, const ALIKE: bool>(
+        &self,
+        integrator: &I,
+        run: &mut Run<'_>,
+        sums: &mut [Pull],
+        k: usize,
+    ) -> W {
+        let &Self { gravity, none, by_mass, by_moment, dt } = self;
+        // The sums are zero again for whose turn comes next.
+        debug_assert!(sums[k].force.w == 0.0 && sums[k].torque.w == 0.0, "a sum has a scalar");
+        let [force, torque] = W::take(&mut sums[k..]);
+        // All is read before anything is written: columns often begin at the same place of a page, and some
+        // processors take what is read for what has just been written at the same place of another page.
+        let [mean, end] = W::load_twos(&run.velocities[k..]);
+        let position = W::load_some(&run.position[k..]);
+        // Of spins only the moments of inertia beside them count.
+        let moments = if ALIKE { none } else { W::load_some(&run.spin[k..]) };
+        let mean_spin = W::load_some(&run.mean_spin[k..]);
+        // Sums have no scalars, so that those of means stay.
+        let a = if ALIKE {
+            gravity.plus_times(force, by_mass)
+        } else {
+            gravity.plus_over_scalars(force, mean)
+        };
+        let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
+        let d = integrator.drift(v, a, &mut { none }, dt);
+        let position = position.plus_times(d.mean_velocity, dt).with_scalars_of(position);
+        let a = if ALIKE { torque * by_moment } else { torque.over_scalars_of(moments) };
+        let w = integrator.kick(none, mean_spin, none, a, &mut { none }, dt);
+        let turn = integrator.drift(w, a, &mut { none }, dt);
+        let end = d.end_velocity.with_scalars_of(end);
+        W::store_twos([d.mean_velocity, end], &mut run.velocities[k..]);
+        position.store_some(&mut run.position[k..]);
+        turn.mean_velocity.store_some(&mut run.mean_spin[k..]);
+        position
     }
 }
 
@@ -365,8 +413,7 @@ impl Drift<'_> {
     fn bodies<Q: Quad, I: Integrator>(&self, integrator: &I, run: &mut Run<'_>) -> Farthest {
         let dt = self.dt;
         let mut farthest = Farthest::default();
-        let [x, y, z, shift] = &self.frame.columns();
-        let frame = [Q::load(x), Q::load(y), Q::load(z), Q::load(shift)];
+        let frame = self.frame.columns();
         let reference = &self.reference[run.begin..run.begin + run.position.len()];
         let run = run.even();
         for (k, r) in reference.iter().enumerate().take(run.position.len()) {
@@ -390,7 +437,7 @@ impl Drift<'_> {
                 let old = Q::load(&run.mean_spin[k]);
                 d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
             }
-            farthest.note((position - Q::load(r).turned(&frame)).length_squared(), r.w);
+            farthest.note(position.apart_squared(r, &frame), r.w);
         }
         farthest
     }

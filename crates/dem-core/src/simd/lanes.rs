@@ -430,6 +430,13 @@ pub(crate) trait Quad: crate::integrate::Vector {
     fn with_scalar_of(self, other: Self) -> Self;
     /// Of the vector, without the scalar.
     fn length_squared(self) -> f64;
+    /// Square of the distance from where `then` is in a frame that has turned.
+    #[inline(always)]
+    fn apart_squared(self, then: &Record, [x, y, z, shift]: &[Record; 4]) -> f64 {
+        let along_x = Self::load(x) * then.x;
+        let image = along_x.plus_times(Self::load(y), then.y).plus_times(Self::load(z), then.z);
+        (self - (image + Self::load(shift))).length_squared()
+    }
     /// As a record.
     #[inline(always)]
     fn record(self) -> Record {
@@ -478,15 +485,26 @@ pub(crate) trait Quads: crate::integrate::Vector {
     fn over_scalars_of(self, other: Self) -> Self;
     /// These vectors and others, which are divided by the scalars of `of` in that way.
     fn plus_over_scalars(self, other: Self, of: Self) -> Self;
-    /// `frame[0] x + frame[1] y + frame[2] z + frame[3]`.
-    fn turned(self, frame: &[Self; 4]) -> Self;
-    /// Squares of the vectors, for [`Quads::larger`], and bits of those that are not below the scalar of its `limit`; a square that is
-    /// no number is not.
-    fn beyond(self, limit: Self) -> (Self, u8);
-    /// The larger squares of two, `self` where `other` is no number.
-    fn larger(self, other: Self) -> Self;
-    /// The largest square.
+    /// Note how far these are from where they were `then`, `frame[0] x + frame[1] y + frame[2] z + frame[3]` now, and whether they are
+    /// not within the scalars of that, squared.
+    fn apart(self, then: Self, frame: &[Record; 4], noted: &mut Apart<Self>);
+    /// The same of four of them.
+    #[inline(always)]
+    fn four_apart(now: &[Self; 4], then: &[Self; 4], frame: &[Record; 4], noted: &mut Apart<Self>) {
+        for (now, then) in now.iter().zip(then) {
+            now.apart(*then, frame, noted);
+        }
+    }
+    /// The largest of all numbers.
     fn largest(self) -> f64;
+}
+
+/// How far bodies have moved.
+pub(crate) struct Apart<W> {
+    /// Squares of the largest displacements, one of them the largest of all; of what is no number none is kept.
+    pub(crate) largest: W,
+    /// Bits of those that are too far away, or nowhere.
+    pub(crate) beyond: u8,
 }
 
 impl<Q: Quad> Quads for Q {
@@ -530,19 +548,11 @@ impl<Q: Quad> Quads for Q {
         self.plus_times(other, 1.0 / of.record().w)
     }
     #[inline(always)]
-    fn turned(self, [x, y, z, shift]: &[Self; 4]) -> Self {
-        let r = self.record();
-        (*x * r.x).plus_times(*y, r.y).plus_times(*z, r.z) + *shift
-    }
-    #[inline(always)]
-    fn beyond(self, limit: Self) -> (Self, u8) {
-        let square = self.length_squared();
-        (Q::load(&Record::splat(square)), u8::from(!(square <= limit.record().w)))
-    }
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        let (own, other) = (self.record().x, other.record().x);
-        Q::load(&Record::splat(if other > own { other } else { own }))
+    fn apart(self, then: Self, frame: &[Record; 4], noted: &mut Apart<Self>) {
+        let square = self.apart_squared(&then.record(), frame);
+        noted.beyond |= u8::from(!(square <= then.record().w));
+        let largest = noted.largest.record().x;
+        noted.largest = Q::load(&Record::splat(if square > largest { square } else { largest }));
     }
     #[inline(always)]
     fn largest(self) -> f64 {

@@ -4,7 +4,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
-use super::lanes::{Quad, Quads};
+use super::lanes::{Apart, Quad, Quads};
 use crate::particles::Record;
 use crate::sums::Pull;
 
@@ -195,37 +195,87 @@ impl<const FUSED: bool> Quads for Eight<FUSED> {
         self.plus_product(&o, of.reciprocal_scalars())
     }
     #[inline(always)]
-    fn turned(self, [x, y, z, shift]: &[Self; 4]) -> Self {
+    fn apart(self, then: Self, frame: &[Record; 4], noted: &mut Apart<Self>) {
         unsafe {
-            let along_x = Self(_mm512_mul_pd(x.0, _mm512_permutex_pd::<0x00>(self.0)));
-            let along_xy = along_x.plus_product(y, Self(_mm512_permutex_pd::<0x55>(self.0)));
-            let sum = along_xy.plus_product(z, Self(_mm512_permutex_pd::<0xAA>(self.0)));
-            sum + *shift
-        }
-    }
-    #[inline(always)]
-    fn beyond(self, limit: Self) -> (Self, u8) {
-        unsafe {
-            let square = _mm512_mul_pd(self.0, self.0);
+            let [x, y, z, shift] = frame.each_ref().map(
+                #[inline(always)]
+                |column| Self::alike(column),
+            );
+            let along_x = Self(_mm512_mul_pd(x.0, _mm512_permutex_pd::<0x00>(then.0)));
+            let along_xy = along_x.plus_product(&y, Self(_mm512_permutex_pd::<0x55>(then.0)));
+            let image = along_xy.plus_product(&z, Self(_mm512_permutex_pd::<0xAA>(then.0)));
+            let d = (self - (image + shift)).0;
+            let square = _mm512_mul_pd(d, d);
             // In the order of `Four`: x and y, then z.
             let y = _mm512_permutex_pd::<0x55>(square);
             let z = _mm512_permutex_pd::<0xAA>(square);
             let sums = _mm512_add_pd(_mm512_add_pd(square, y), z);
-            let limits = _mm512_permutex_pd::<0xFF>(limit.0);
+            let limits = _mm512_permutex_pd::<0xFF>(then.0);
             // Of the first number of each record.
-            (Self(sums), _mm512_mask_cmp_pd_mask::<_CMP_NLE_UQ>(0b1_0001, sums, limits))
+            noted.note(sums, limits, 0b1_0001);
         }
     }
     #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        // Where one of them is no number this yields the second.
-        Self(unsafe { _mm512_max_pd(other.0, self.0) })
+    fn four_apart(now: &[Self; 4], then: &[Self; 4], frame: &[Record; 4], noted: &mut Apart<Self>) {
+        unsafe {
+            let (now, then) = (fields(now), fields(then));
+            let [x, y, z, limits] = then;
+            let mut square = [_mm512_setzero_pd(); 3];
+            let axes: [fn(&Record) -> f64; 3] = [|r| r.x, |r| r.y, |r| r.z];
+            for ((square, now), axis) in square.iter_mut().zip(now).zip(axes) {
+                let [a, b, c, shift] = [
+                    _mm512_set1_pd(axis(&frame[0])),
+                    _mm512_set1_pd(axis(&frame[1])),
+                    _mm512_set1_pd(axis(&frame[2])),
+                    _mm512_set1_pd(axis(&frame[3])),
+                ];
+                let along_x = Self(_mm512_mul_pd(a, x));
+                let image = along_x.plus_product(&Self(b), Self(y)).plus_product(&Self(c), Self(z));
+                let d = _mm512_sub_pd(now, _mm512_add_pd(image.0, shift));
+                *square = _mm512_mul_pd(d, d);
+            }
+            let sums = _mm512_add_pd(_mm512_add_pd(square[0], square[1]), square[2]);
+            noted.note(sums, limits, u8::MAX);
+        }
     }
     #[inline(always)]
     fn largest(self) -> f64 {
-        let [a, b] = unsafe {
-            [_mm512_cvtsd_f64(self.0), _mm256_cvtsd_f64(_mm512_extractf64x4_pd::<1>(self.0))]
-        };
-        if a >= b { a } else { b }
+        unsafe { _mm512_reduce_max_pd(self.0) }
+    }
+}
+
+impl<const FUSED: bool> Apart<Eight<FUSED>> {
+    /// Note those squares that `which` marks.
+    ///
+    /// # Safety
+    /// AVX-512 is there.
+    #[inline(always)]
+    unsafe fn note(&mut self, squares: __m512d, limits: __m512d, which: u8) {
+        // SAFETY: by the caller.
+        unsafe {
+            self.beyond |= _mm512_mask_cmp_pd_mask::<_CMP_NLE_UQ>(which, squares, limits);
+            // Where one of them is no number this yields the second.
+            let largest = self.largest.0;
+            self.largest.0 = _mm512_mask_max_pd(largest, which, squares, largest);
+        }
+    }
+}
+
+/// Fields of eight records, in some order of the records.
+///
+/// # Safety
+/// AVX-512 is there.
+#[inline(always)]
+unsafe fn fields<const FUSED: bool>([a, b, c, d]: &[Eight<FUSED>; 4]) -> [__m512d; 4] {
+    // SAFETY: by the caller.
+    unsafe {
+        let (xz, yw) = (_mm512_unpacklo_pd(a.0, b.0), _mm512_unpackhi_pd(a.0, b.0));
+        let (xz2, yw2) = (_mm512_unpacklo_pd(c.0, d.0), _mm512_unpackhi_pd(c.0, d.0));
+        [
+            _mm512_shuffle_f64x2::<0b10_00_10_00>(xz, xz2),
+            _mm512_shuffle_f64x2::<0b10_00_10_00>(yw, yw2),
+            _mm512_shuffle_f64x2::<0b11_01_11_01>(xz, xz2),
+            _mm512_shuffle_f64x2::<0b11_01_11_01>(yw, yw2),
+        ]
     }
 }
