@@ -17,6 +17,10 @@ use crate::world::{Make, Scratch};
 
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
 pub(crate) const CHUNK: usize = 256;
+
+/// Most chunks of touching pairs that one call of the kernel computes, so that what it does once a call and registers that are half
+/// empty at the end of one count less.
+pub(crate) const TOGETHER: usize = 8;
 const _: () = assert!(
     CHUNK.is_multiple_of(crate::sums::PIECE) && CHUNK.is_multiple_of(u64::BITS as usize),
     "chunks are whole pieces of bodies, and their marks whole words"

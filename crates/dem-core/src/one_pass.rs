@@ -17,7 +17,7 @@ use crate::body_run::{Columns, POSITION, Run, SPIN, cut_bodies};
 use crate::body_stage::{Drift, Farthest, Kick, Piece};
 use crate::clump_stage::{Turned, Turns};
 use crate::contact::model::ContactLaw;
-use crate::contact_stage::{CHUNK, Touching, all_contacts, touching_pairs};
+use crate::contact_stage::{CHUNK, TOGETHER, Touching, all_contacts, touching_pairs};
 use crate::error::Error;
 use crate::forces::{ChunkYield, Contacts, DeepOverlap, deeper};
 use crate::integrate::Integrator;
@@ -28,7 +28,9 @@ use crate::spheres::{ClumpView, SphereView};
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
 use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Ring};
-use crate::threads::{Chunks, Cut, Groups, InTurn, Runs, View, chosen, cut, cut_groups, packed};
+use crate::threads::{
+    Chunks, Cut, CutTogether, Groups, InTurn, Runs, View, chosen, cut, cut_groups, packed,
+};
 use crate::world::{BodyYield, Make, StripYield, World, sphere_view};
 
 /// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
@@ -97,6 +99,9 @@ pub(crate) struct Gone {
     pub(crate) deepest: Option<DeepOverlap>,
 }
 
+/// Spheres beyond the window of a chunk for which sums have room, so that several chunks go together.
+const SPARE: usize = 2 * CHUNK;
+
 /// How many bodies before.
 const AHEAD: usize = 192;
 /// Bodies above which places are asked for before they are needed: more than a second-level cache holds.
@@ -146,7 +151,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.keep_some(strips.room(), if large { 0 } else { pairs.near_begin });
         s.rings.resize_with(strips.count(), Ring::default);
         s.strip_yield.resize(strips.count(), StripYield::default());
-        s.rings.iter_mut().for_each(|ring| ring.cover(pairs.window, bodies.len()));
+        s.rings.iter_mut().for_each(|ring| ring.cover(pairs.window + SPARE, bodies.len()));
         let mut members = std::mem::take(&mut self.state.members);
         let mut attitude = std::mem::take(&mut members.attitude);
         let mut end_spin = std::mem::take(&mut members.end_spin);
@@ -294,7 +299,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
     ) -> StripYield
     where
         B: Cut<Part = OfBodies<'b>>,
-        C: Cut<Part = Chunk<'b>>,
+        C: CutTogether<Part = Chunk<'b>>,
     {
         let all = chunks.left();
         let first = self.strips.pieces[strip] as usize;
@@ -394,18 +399,28 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         (until, to_its_end): (usize, bool),
     ) where
         B: Cut<Part = OfBodies<'b>>,
-        C: Cut<Part = Chunk<'b>>,
+        C: CutTogether<Part = Chunk<'b>>,
     {
         let (pairs, slots) = (self.pairs, self.pairs.slots);
         let (own, seats) = (bodies.left(), self.kick.seats);
-        for chunk in gone.chunk..until + usize::from(to_its_end) {
-            let begin = chunk * CHUNK;
+        let owner = |chunk: usize| seats.body(pairs.owner(chunk * CHUNK));
+        let (mut chunk, end) = (gone.chunk, until + usize::from(to_its_end));
+        while chunk < end {
+            let (begin, mut next) = (chunk * CHUNK, chunk + 1);
             // Spheres before the owner of the next pair have all theirs; behind the last pair all of the strip have,
             // and others that it touched need nothing from here.
             let frontier = if chunk < until {
-                let owner = seats.body(pairs.owner(begin));
-                gone.reach = (owner + pairs.window).min(self.bodies);
-                owner / PIECE
+                let (first, mut last) = (owner(chunk) / PIECE, owner(chunk));
+                while next < until.min(chunk + TOGETHER)
+                    && !self.strips.keep(chunk)
+                    && !self.strips.keep(next)
+                    && ring.holds(first * PIECE..(owner(next) + pairs.window).min(self.bodies))
+                {
+                    last = owner(next);
+                    next += 1;
+                }
+                gone.reach = (last + pairs.window).min(self.bodies);
+                first
             } else {
                 own.end.max(gone.reach.div_ceil(PIECE))
             };
@@ -428,15 +443,17 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 gone.asked = [touched, finished];
             }
             self.finish(frontier, &own, None, bodies, ring, gone);
-            let Some((active, numbers, kept, found)) = chunks.take(chunk) else { break };
+            let taken = chunks.take_together(chunk..next);
+            let Some((active, numbers, kept, found)) = taken else { break };
             debug_assert!(
-                self.strips.stays_within(strip, pairs, chunk, seats),
+                (chunk..next).all(|chunk| self.strips.stays_within(strip, pairs, chunk, seats)),
                 "others' bodies are read"
             );
             let all = active.len();
             let places = begin..begin + all;
             let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
             let count = all.min(pairs.touching - begin);
+            found.iter_mut().for_each(ChunkYield::reset);
             let mut compute = |wrenches| {
                 let run =
                     Touching { pairs: count, slots, first, second, active, numbers, wrenches };
@@ -456,7 +473,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             }
             gone.into.deep |= found[0].deep.is_some();
             gone.deepest = deeper(gone.deepest, found[0].deep);
-            gone.chunk = chunk + 1;
+            (chunk, gone.chunk) = (next, next);
             if self.kept.is_some() {
                 self.strips.pass(strip, gone.chunk, gone.into.deep);
             }

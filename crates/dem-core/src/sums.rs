@@ -133,6 +133,11 @@ impl Ring {
         debug_assert!(self.0.iter().all(|sum| *sum == Pull::ZERO), "sums were left over");
     }
 
+    /// Whether all of these spheres have a place of their own.
+    pub(crate) fn holds(&self, spheres: std::ops::Range<usize>) -> bool {
+        spheres.len() <= self.0.len()
+    }
+
     pub(crate) fn slots(&mut self) -> &mut [Pull] {
         &mut self.0
     }

@@ -7,11 +7,14 @@ use std::mem::MaybeUninit;
 
 use super::lanes::Lanes;
 use super::pairs::{PairKernel, Run};
-use crate::contact_stage::CHUNK;
+use crate::contact_stage::{CHUNK, TOGETHER};
 use crate::neighbour::search::lowest_bits;
 
-/// Most pairs of a run that act, and a register of places more, which may be written without being counted.
-const MOST: usize = CHUNK + 16;
+/// Most pairs of a run.
+const LONGEST: usize = TOGETHER * CHUNK;
+
+/// The same, and a register of places more, which may be written without being counted.
+const MOST: usize = LONGEST + 16;
 
 /// Room for the pairs of a run that are to be looked at, then for those that act: nothing is written that is not read.
 pub(super) struct Room {
@@ -79,8 +82,8 @@ impl PairKernel<'_> {
         let (first, _) = run.first.as_chunks::<8>();
         let (second, _) = run.second.as_chunks::<8>();
         let (active, _) = run.active.as_chunks_mut::<8>();
-        assert!(8 * active.len() <= CHUNK, "a run is a chunk at most");
-        let mut acts = [0; CHUNK / 8];
+        assert!(8 * active.len() <= LONGEST, "a run is some chunks at most");
+        let mut acts = [0; LONGEST / 8];
         // SAFETY: by the caller.
         unsafe { self.look::<V>((first, second), active, run.pairs, (&mut acts, room)) };
         let acts = &acts[..first.len().min(active.len())];
@@ -112,10 +115,10 @@ impl PairKernel<'_> {
         (first, second): (&[[u32; 8]], &[[u32; 8]]),
         active: &mut [[u8; 8]],
         pairs: usize,
-        (acts, room): (&mut [u8; CHUNK / 8], &mut Room),
+        (acts, room): (&mut [u8; LONGEST / 8], &mut Room),
     ) {
         let (whole, rest) = (pairs / 8, lowest_bits(pairs % 8));
-        let mut others = [0; CHUNK / 8];
+        let mut others = [0; LONGEST / 8];
         for (k, ((active, acts), others)) in
             active.iter().zip(&mut *acts).zip(&mut others).enumerate()
         {

@@ -197,10 +197,7 @@ impl<const FUSED: bool> Quads for Eight<FUSED> {
     #[inline(always)]
     fn apart(self, then: Self, frame: &[Record; 4], noted: &mut Apart<Self>) {
         unsafe {
-            let [x, y, z, shift] = frame.each_ref().map(
-                #[inline(always)]
-                |column| Self::alike(column),
-            );
+            let [x, y, z, shift] = frame.each_ref().map(Self::alike);
             let along_x = Self(_mm512_mul_pd(x.0, _mm512_permutex_pd::<0x00>(then.0)));
             let along_xy = along_x.plus_product(&y, Self(_mm512_permutex_pd::<0x55>(then.0)));
             let image = along_xy.plus_product(&z, Self(_mm512_permutex_pd::<0xAA>(then.0)));

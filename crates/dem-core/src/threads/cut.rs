@@ -1,7 +1,7 @@
 //! Slices cut into parts, of which every thread is handed its own.
 
 use std::marker::PhantomData;
-use std::ops::Index;
+use std::ops::{Index, Range};
 use std::sync::atomic::AtomicU64;
 
 /// A slice cut into chunks of equal length (the last may be shorter).
@@ -66,7 +66,7 @@ impl<'a, T> View<'a, T> {
 
     /// Elements that nobody writes while they are looked at.
     #[inline(always)]
-    pub(crate) fn run(&self, places: std::ops::Range<usize>) -> &'a [T] {
+    pub(crate) fn run(&self, places: Range<usize>) -> &'a [T] {
         assert!(places.start <= places.end && places.end <= self.length, "{places:?}");
         // SAFETY: within the slice, and nobody else writes what is read.
         unsafe { std::slice::from_raw_parts(self.begin.add(places.start), places.len()) }
@@ -120,6 +120,25 @@ impl<'a, T: Send> Cut for Chunks<'a, T> {
     }
 }
 
+/// Chunks of which some that follow each other can be handed out as one.
+pub(crate) trait CutTogether: Cut {
+    /// These chunks as one.
+    ///
+    /// # Safety
+    /// Each of them is asked for at most once.
+    unsafe fn together(&self, own: Range<usize>) -> Self::Part;
+}
+
+impl<'a, T: Send> CutTogether for Chunks<'a, T> {
+    #[inline(always)]
+    unsafe fn together(&self, own: Range<usize>) -> &'a mut [T] {
+        let end = (own.end * self.size).min(self.length);
+        let begin = (own.start * self.size).min(end);
+        // SAFETY: within the slice, and no other chunk overlaps these.
+        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
+    }
+}
+
 /// A slice cut into runs of groups of unlike lengths.
 pub(crate) struct Groups<'a, T> {
     begin: *mut T,
@@ -169,7 +188,7 @@ impl<'a, T: Send> Cut for Groups<'a, T> {
 pub(crate) const PART: usize = 1024;
 
 /// Bodies of chunk `c` of so many.
-pub(crate) fn part(c: usize, bodies: usize) -> std::ops::Range<usize> {
+pub(crate) fn part(c: usize, bodies: usize) -> Range<usize> {
     c * PART..((c + 1) * PART).min(bodies)
 }
 
@@ -203,8 +222,26 @@ impl<C: Cut, const N: usize> Cut for [C; N] {
     }
 }
 
+impl<C: CutTogether, const N: usize> CutTogether for [C; N] {
+    #[inline(always)]
+    unsafe fn together(&self, own: Range<usize>) -> Self::Part {
+        // SAFETY: by the caller.
+        self.each_ref().map(|of| unsafe { of.together(own.clone()) })
+    }
+}
+
 macro_rules! cut_together {
     ($($name:ident)+) => {
+        impl<$($name: CutTogether),+> CutTogether for ($($name,)+) {
+            #[inline(always)]
+            unsafe fn together(&self, own: Range<usize>) -> Self::Part {
+                #[expect(non_snake_case, reason = "types and values share their names")]
+                let ($($name,)+) = self;
+                // SAFETY: by the caller.
+                unsafe { ($($name.together(own.clone()),)+) }
+            }
+        }
+
         impl<$($name: Cut),+> Cut for ($($name,)+) {
             type Part = ($($name::Part,)+);
 
@@ -257,7 +294,7 @@ pub(crate) struct InTurn<'s, C> {
 
 impl<C: Cut> InTurn<'_, C> {
     /// The chunks that are left.
-    pub(crate) fn left(&self) -> std::ops::Range<usize> {
+    pub(crate) fn left(&self) -> Range<usize> {
         self.next..self.end
     }
 
@@ -270,6 +307,19 @@ impl<C: Cut> InTurn<'_, C> {
         self.next = k + 1;
         // SAFETY: runs are disjoint, each is a part once, and what is left of it only shrinks.
         Some(unsafe { self.of.part(k) })
+    }
+}
+
+impl<C: CutTogether> InTurn<'_, C> {
+    /// The same of some that follow each other, as one.
+    #[inline(always)]
+    pub(crate) fn take_together(&mut self, own: Range<usize>) -> Option<C::Part> {
+        if own.is_empty() || own.start < self.next || own.end > self.end {
+            return None;
+        }
+        self.next = own.end;
+        // SAFETY: as above.
+        Some(unsafe { self.of.together(own) })
     }
 }
 
@@ -323,6 +373,18 @@ impl<C: Cut> Cut for Packed<'_, C> {
     }
 }
 
+impl<C: Cut> CutTogether for Packed<'_, C> {
+    /// One chunk, or several without a part.
+    #[inline(always)]
+    unsafe fn together(&self, own: Range<usize>) -> C::Part {
+        let parts = self.places.get(own.clone()).unwrap_or_default();
+        let none = parts.iter().all(|place| *place == NO_PLACE);
+        assert!(own.len() == 1 || none, "parts do not lie side by side");
+        // SAFETY: by the caller.
+        unsafe { self.part(own.start) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -362,5 +424,32 @@ mod tests {
         let part = chosen(cut(&mut numbers, 10), &which);
         team.each(2, part, |_, chunk| chunk.fill(7));
         assert_eq!(numbers.iter().filter(|x| **x == 7).count(), 20);
+    }
+
+    #[test]
+    fn chunks_that_follow_each_other_are_handed_out_as_one() {
+        let (mut numbers, mut marks, mut kept) = ([0; 68], [[0; 7], [0; 7]], [0; 20]);
+        let (places, starts) = ([NO_PLACE, NO_PLACE, 0, 1, NO_PLACE, NO_PLACE, NO_PLACE], [0, 7]);
+        let mut chunks = (
+            cut(&mut numbers, 10),
+            marks.each_mut().map(|of| cut(of, 1)),
+            packed(cut(&mut kept, 10), &places),
+        );
+        // SAFETY: one run, taken once.
+        let mut run = unsafe { Runs::new(&mut chunks, &starts).part(0) };
+        let mut lengths = Vec::new();
+        for own in [0..2, 2..3, 3..4, 4..7] {
+            let part = run.take_together(own.clone()).expect("they are left");
+            let (numbers, [a, b], kept): (&mut [usize], [&mut [usize]; 2], &mut [usize]) = part;
+            numbers.fill(own.start);
+            a.fill(own.start);
+            lengths.push([numbers.len(), a.len(), b.len(), kept.len()]);
+            assert!(run.take_together(own).is_none(), "handed out twice");
+        }
+        assert!(run.take_together(7..8).is_none() && run.left().is_empty());
+        let expected = [[20, 2, 2, 0], [10, 1, 1, 10], [10, 1, 1, 10], [28, 3, 3, 0]];
+        assert_eq!(lengths, expected);
+        assert_eq!(marks[0], [0, 0, 2, 3, 4, 4, 4]);
+        assert!(numbers.iter().enumerate().all(|(k, x)| *x == marks[0][k / 10]));
     }
 }
