@@ -10,7 +10,6 @@ use crate::contact::model::ContactLaw;
 use crate::contact_stage::CHUNK;
 use crate::energy::Flow;
 use crate::integrate::Integrator;
-use crate::list::Turn;
 use crate::particles::{END, MEAN, Record};
 use crate::simd::{Apart, Quad, Quads, RecordWork, on_records};
 use crate::spheres::Seats;
@@ -46,7 +45,8 @@ pub(crate) struct Kick<'a, M> {
 /// What is the same for all bodies in a drift.
 pub(crate) struct Drift<'a> {
     pub(crate) reference: &'a [Record],
-    pub(crate) frame: Turn,
+    /// Columns of the turn of the frame since then.
+    pub(crate) frame: [Record; 4],
     pub(crate) dt: f64,
 }
 
@@ -136,7 +136,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         };
         let drift = Drift {
             reference: &self.state.list.reference,
-            frame: self.turn_since_list((self.state.step + 1) as f64 * self.make.dt),
+            frame: self.turn_since_list((self.state.step + 1) as f64 * self.make.dt).columns(),
             dt: self.make.dt,
         };
         let (chunks, moved) = (&mut self.scratch.body_yield, &mut self.scratch.moved);
@@ -310,7 +310,6 @@ impl<M> Kick<'_, M> {
             by_moment: 1.0 / moment,
             dt: self.dt,
         };
-        let frame = drift.frame.columns();
         let reference = &drift.reference[run.begin..run.begin + run.position.len()];
         let mut run = run.even();
         let mut apart = Apart { largest: same.none, beyond: 0 };
@@ -333,11 +332,11 @@ impl<M> Kick<'_, M> {
                 W::load_some(&then[at[2]..]),
                 W::load_some(&then[at[3]..]),
             ];
-            W::four_apart(&position, &then, &frame, &mut apart);
+            W::four_apart(&position, &then, &drift.frame, &mut apart);
         }
         for k in (fours.end..end).step_by(W::COUNT) {
             let position = same.moved_on::<I, ALIKE>(integrator, &mut run, sums, k);
-            position.apart(W::load_some(&reference[k..]), &frame, &mut apart);
+            position.apart(W::load_some(&reference[k..]), &drift.frame, &mut apart);
         }
         farthest.too_far |= apart.beyond != 0;
         farthest.square = farthest.square.max(apart.largest.largest());
@@ -413,7 +412,6 @@ impl Drift<'_> {
     fn bodies<Q: Quad, I: Integrator>(&self, integrator: &I, run: &mut Run<'_>) -> Farthest {
         let dt = self.dt;
         let mut farthest = Farthest::default();
-        let frame = self.frame.columns();
         let reference = &self.reference[run.begin..run.begin + run.position.len()];
         let run = run.even();
         for (k, r) in reference.iter().enumerate().take(run.position.len()) {
@@ -437,7 +435,7 @@ impl Drift<'_> {
                 let old = Q::load(&run.mean_spin[k]);
                 d.mean_velocity.with_scalar_of(old).store(&mut run.mean_spin[k]);
             }
-            farthest.note(position.apart_squared(r, &frame), r.w);
+            farthest.note(position.apart_squared(r, &self.frame), r.w);
         }
         farthest
     }

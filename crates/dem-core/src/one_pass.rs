@@ -29,7 +29,7 @@ use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
 use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Ring};
 use crate::threads::{
-    Chunks, Cut, CutTogether, Groups, InTurn, Runs, View, chosen, cut, cut_groups, packed,
+    Chunks, Cut, CutJoined, Groups, InTurn, Runs, View, chosen, cut, cut_groups, packed,
 };
 use crate::world::{BodyYield, Make, StripYield, World, sphere_view};
 
@@ -171,7 +171,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         };
         let drift = Drift {
             reference: &self.state.list.reference,
-            frame: self.turn_since_list((self.state.step + 1) as f64 * dt),
+            frame: self.turn_since_list((self.state.step + 1) as f64 * dt).columns(),
             dt,
         };
         let (mut active, mut memory) =
@@ -299,7 +299,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
     ) -> StripYield
     where
         B: Cut<Part = OfBodies<'b>>,
-        C: CutTogether<Part = Chunk<'b>>,
+        C: CutJoined<Part = Chunk<'b>>,
     {
         let all = chunks.left();
         let first = self.strips.pieces[strip] as usize;
@@ -399,7 +399,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         (until, to_its_end): (usize, bool),
     ) where
         B: Cut<Part = OfBodies<'b>>,
-        C: CutTogether<Part = Chunk<'b>>,
+        C: CutJoined<Part = Chunk<'b>>,
     {
         let (pairs, slots) = (self.pairs, self.pairs.slots);
         let (own, seats) = (bodies.left(), self.kick.seats);
@@ -443,7 +443,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 gone.asked = [touched, finished];
             }
             self.finish(frontier, &own, None, bodies, ring, gone);
-            let taken = chunks.take_together(chunk..next);
+            let taken = chunks.take_joined(chunk..next);
             let Some((active, numbers, kept, found)) = taken else { break };
             debug_assert!(
                 (chunk..next).all(|chunk| self.strips.stays_within(strip, pairs, chunk, seats)),
@@ -453,6 +453,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             let places = begin..begin + all;
             let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
             let count = all.min(pairs.touching - begin);
+            // The first tells of all.
             found.iter_mut().for_each(ChunkYield::reset);
             let mut compute = |wrenches| {
                 let run =

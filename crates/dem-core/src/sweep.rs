@@ -27,7 +27,7 @@ use crate::spheres::{Seats, SphereView};
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::{Strips, ends};
 use crate::sums::{Collect, PIECE, Ring};
-use crate::threads::{Cut, CutTogether, InTurn, Runs, View, cut};
+use crate::threads::{Cut, CutJoined, InTurn, Runs, View, cut};
 use crate::tier::{Ahead, Tier};
 use crate::world::{Kept, Scratch, World, sphere_view};
 
@@ -299,7 +299,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         until: (usize, bool),
     ) where
         B: Cut<Part = OfBodies<'b>>,
-        C: CutTogether<Part = Chunk<'b>>,
+        C: CutJoined<Part = Chunk<'b>>,
     {
         let make = &self.make;
         let (dt, level) = (make.dt, make.level);
@@ -315,7 +315,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         };
         let drift = Drift {
             reference: &self.state.list.reference,
-            frame: self.turn_since_list((tier.step + 1) as f64 * dt),
+            frame: self.turn_since_list((tier.step + 1) as f64 * dt).columns(),
             dt,
         };
         let kernel = kernel_of(make, spheres, dt, false);

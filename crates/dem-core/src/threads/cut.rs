@@ -121,17 +121,17 @@ impl<'a, T: Send> Cut for Chunks<'a, T> {
 }
 
 /// Chunks of which some that follow each other can be handed out as one.
-pub(crate) trait CutTogether: Cut {
+pub(crate) trait CutJoined: Cut {
     /// These chunks as one.
     ///
     /// # Safety
     /// Each of them is asked for at most once.
-    unsafe fn together(&self, own: Range<usize>) -> Self::Part;
+    unsafe fn joined(&self, own: Range<usize>) -> Self::Part;
 }
 
-impl<'a, T: Send> CutTogether for Chunks<'a, T> {
+impl<'a, T: Send> CutJoined for Chunks<'a, T> {
     #[inline(always)]
-    unsafe fn together(&self, own: Range<usize>) -> &'a mut [T] {
+    unsafe fn joined(&self, own: Range<usize>) -> &'a mut [T] {
         let end = (own.end * self.size).min(self.length);
         let begin = (own.start * self.size).min(end);
         // SAFETY: within the slice, and no other chunk overlaps these.
@@ -222,23 +222,23 @@ impl<C: Cut, const N: usize> Cut for [C; N] {
     }
 }
 
-impl<C: CutTogether, const N: usize> CutTogether for [C; N] {
+impl<C: CutJoined, const N: usize> CutJoined for [C; N] {
     #[inline(always)]
-    unsafe fn together(&self, own: Range<usize>) -> Self::Part {
+    unsafe fn joined(&self, own: Range<usize>) -> Self::Part {
         // SAFETY: by the caller.
-        self.each_ref().map(|of| unsafe { of.together(own.clone()) })
+        self.each_ref().map(|of| unsafe { of.joined(own.clone()) })
     }
 }
 
 macro_rules! cut_together {
     ($($name:ident)+) => {
-        impl<$($name: CutTogether),+> CutTogether for ($($name,)+) {
+        impl<$($name: CutJoined),+> CutJoined for ($($name,)+) {
             #[inline(always)]
-            unsafe fn together(&self, own: Range<usize>) -> Self::Part {
+            unsafe fn joined(&self, own: Range<usize>) -> Self::Part {
                 #[expect(non_snake_case, reason = "types and values share their names")]
                 let ($($name,)+) = self;
                 // SAFETY: by the caller.
-                unsafe { ($($name.together(own.clone()),)+) }
+                unsafe { ($($name.joined(own.clone()),)+) }
             }
         }
 
@@ -310,16 +310,16 @@ impl<C: Cut> InTurn<'_, C> {
     }
 }
 
-impl<C: CutTogether> InTurn<'_, C> {
+impl<C: CutJoined> InTurn<'_, C> {
     /// The same of some that follow each other, as one.
     #[inline(always)]
-    pub(crate) fn take_together(&mut self, own: Range<usize>) -> Option<C::Part> {
+    pub(crate) fn take_joined(&mut self, own: Range<usize>) -> Option<C::Part> {
         if own.is_empty() || own.start < self.next || own.end > self.end {
             return None;
         }
         self.next = own.end;
         // SAFETY: as above.
-        Some(unsafe { self.of.together(own) })
+        Some(unsafe { self.of.joined(own) })
     }
 }
 
@@ -373,10 +373,10 @@ impl<C: Cut> Cut for Packed<'_, C> {
     }
 }
 
-impl<C: Cut> CutTogether for Packed<'_, C> {
+impl<C: Cut> CutJoined for Packed<'_, C> {
     /// One chunk, or several without a part.
     #[inline(always)]
-    unsafe fn together(&self, own: Range<usize>) -> C::Part {
+    unsafe fn joined(&self, own: Range<usize>) -> C::Part {
         let parts = self.places.get(own.clone()).unwrap_or_default();
         let none = parts.iter().all(|place| *place == NO_PLACE);
         assert!(own.len() == 1 || none, "parts do not lie side by side");
@@ -439,14 +439,14 @@ mod tests {
         let mut run = unsafe { Runs::new(&mut chunks, &starts).part(0) };
         let mut lengths = Vec::new();
         for own in [0..2, 2..3, 3..4, 4..7] {
-            let part = run.take_together(own.clone()).expect("they are left");
+            let part = run.take_joined(own.clone()).expect("they are left");
             let (numbers, [a, b], kept): (&mut [usize], [&mut [usize]; 2], &mut [usize]) = part;
             numbers.fill(own.start);
             a.fill(own.start);
             lengths.push([numbers.len(), a.len(), b.len(), kept.len()]);
-            assert!(run.take_together(own).is_none(), "handed out twice");
+            assert!(run.take_joined(own).is_none(), "handed out twice");
         }
-        assert!(run.take_together(7..8).is_none() && run.left().is_empty());
+        assert!(run.take_joined(7..8).is_none() && run.left().is_empty());
         let expected = [[20, 2, 2, 0], [10, 1, 1, 10], [10, 1, 1, 10], [28, 3, 3, 0]];
         assert_eq!(lengths, expected);
         assert_eq!(marks[0], [0, 0, 2, 3, 4, 4, 4]);

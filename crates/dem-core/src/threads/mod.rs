@@ -17,7 +17,7 @@ use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
 pub(crate) use cut::{
-    Chunks, Cut, CutTogether, Groups, InTurn, NO_PARTS, NO_PLACE, PART, Runs, View, cells, chosen,
+    Chunks, Cut, CutJoined, Groups, InTurn, NO_PARTS, NO_PLACE, PART, Runs, View, cells, chosen,
     cut, cut_groups, packed, part,
 };
 
