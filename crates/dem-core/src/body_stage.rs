@@ -318,21 +318,15 @@ impl<M> Kick<'_, M> {
         let fours = begin..end - (end - begin) % four;
         for k in fours.clone().step_by(four) {
             // Cut to a length that is known, so that nobody asks for it once more.
-            let (sums, then) = (&mut sums[k..k + four], &reference[k..k + four]);
-            let (mut run, at) = (run.some(k..k + four), [0, 1, 2, 3].map(|nth| nth * W::COUNT));
-            let position = [
-                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[0]),
-                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[1]),
-                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[2]),
-                same.moved_on::<I, ALIKE>(integrator, &mut run, sums, at[3]),
-            ];
-            let then = [
-                W::load_some(&then[at[0]..]),
-                W::load_some(&then[at[1]..]),
-                W::load_some(&then[at[2]..]),
-                W::load_some(&then[at[3]..]),
-            ];
-            W::four_apart(&position, &then, &drift.frame, &mut apart);
+            let (sums, reference) = (&mut sums[k..k + four], &reference[k..k + four]);
+            let mut run = run.some(k..k + four);
+            let (mut now, mut then) = ([same.none; 4], [same.none; 4]);
+            for (nth, (now, then)) in now.iter_mut().zip(&mut then).enumerate() {
+                let k = nth * W::COUNT;
+                *now = same.moved_on::<I, ALIKE>(integrator, &mut run, sums, k);
+                *then = W::load_some(&reference[k..]);
+            }
+            W::four_apart(&now, &then, &drift.frame, &mut apart);
         }
         for k in (fours.end..end).step_by(W::COUNT) {
             let position = same.moved_on::<I, ALIKE>(integrator, &mut run, sums, k);

@@ -333,9 +333,8 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         if let Some(kept) = self.kept.filter(|_| gone.into.took_over) {
             for chunk in chunks {
                 let begin = chunk * CHUNK;
-                let owner = seats.body(pairs.owner(begin));
-                gone.reach = (owner + pairs.window).min(self.bodies);
-                self.finish(owner / PIECE, own, Some(handed), bodies, ring, gone);
+                gone.reach = self.reach(chunk);
+                self.finish(self.owner(chunk) / PIECE, own, Some(handed), bodies, ring, gone);
                 if self.strips.keep(chunk) {
                     let own = begin..(begin + CHUNK).min(pairs.touching);
                     let at = self.strips.kept()[chunk] as usize * CHUNK;
@@ -388,6 +387,36 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         }
     }
 
+    /// Body of the owner of the first pair of a chunk.
+    #[inline(always)]
+    fn owner(&self, chunk: usize) -> usize {
+        self.kick.seats.body(self.pairs.owner(chunk * CHUNK))
+    }
+
+    /// Bodies that a chunk touches lie before this place.
+    #[inline(always)]
+    fn reach(&self, chunk: usize) -> usize {
+        (self.owner(chunk) + self.pairs.window).min(self.bodies)
+    }
+
+    /// Behind the last chunk that goes through the kernel together with this one, before `until`: none whose wrenches are kept, and as
+    /// many as there is room for sums of.
+    #[inline(always)]
+    fn together(&self, chunk: usize, until: usize, ring: &Ring) -> usize {
+        let mut next = chunk + 1;
+        if self.strips.keep(chunk) {
+            return next;
+        }
+        let first = self.owner(chunk) / PIECE * PIECE;
+        while next < until.min(chunk + TOGETHER)
+            && !self.strips.keep(next)
+            && ring.holds(first..self.reach(next))
+        {
+            next += 1;
+        }
+        next
+    }
+
     /// Go on through a strip up to a chunk, and behind its last one to its end.
     pub(crate) fn go<'b, B, C>(
         &self,
@@ -403,24 +432,15 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
     {
         let (pairs, slots) = (self.pairs, self.pairs.slots);
         let (own, seats) = (bodies.left(), self.kick.seats);
-        let owner = |chunk: usize| seats.body(pairs.owner(chunk * CHUNK));
         let (mut chunk, end) = (gone.chunk, until + usize::from(to_its_end));
         while chunk < end {
             let (begin, mut next) = (chunk * CHUNK, chunk + 1);
             // Spheres before the owner of the next pair have all theirs; behind the last pair all of the strip have,
             // and others that it touched need nothing from here.
             let frontier = if chunk < until {
-                let (first, mut last) = (owner(chunk) / PIECE, owner(chunk));
-                while next < until.min(chunk + TOGETHER)
-                    && !self.strips.keep(chunk)
-                    && !self.strips.keep(next)
-                    && ring.holds(first * PIECE..(owner(next) + pairs.window).min(self.bodies))
-                {
-                    last = owner(next);
-                    next += 1;
-                }
-                gone.reach = (last + pairs.window).min(self.bodies);
-                first
+                next = self.together(chunk, until, ring);
+                gone.reach = self.reach(next - 1);
+                self.owner(chunk) / PIECE
             } else {
                 own.end.max(gone.reach.div_ceil(PIECE))
             };
@@ -454,7 +474,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             let (first, second) = (&pairs.first[places.clone()], &pairs.second[places]);
             let count = all.min(pairs.touching - begin);
             // The first tells of all.
-            found.iter_mut().for_each(ChunkYield::reset);
+            found.iter_mut().skip(1).for_each(ChunkYield::reset);
             let mut compute = |wrenches| {
                 let run =
                     Touching { pairs: count, slots, first, second, active, numbers, wrenches };

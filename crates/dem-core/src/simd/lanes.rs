@@ -549,8 +549,9 @@ impl<Q: Quad> Quads for Q {
     }
     #[inline(always)]
     fn apart(self, then: Self, frame: &[Record; 4], noted: &mut Apart<Self>) {
-        let square = self.apart_squared(&then.record(), frame);
-        noted.beyond |= u8::from(!(square <= then.record().w));
+        let then = then.record();
+        let square = self.apart_squared(&then, frame);
+        noted.beyond |= u8::from(!(square <= then.w));
         let largest = noted.largest.record().x;
         noted.largest = Q::load(&Record::splat(if square > largest { square } else { largest }));
     }

@@ -113,10 +113,8 @@ impl<'a, T: Send> Cut for Chunks<'a, T> {
 
     #[inline(always)]
     unsafe fn part(&self, k: usize) -> &'a mut [T] {
-        let begin = (k * self.size).min(self.length);
-        let end = (begin + self.size).min(self.length);
-        // SAFETY: within the slice, and no other chunk overlaps it.
-        unsafe { std::slice::from_raw_parts_mut(self.begin.add(begin), end - begin) }
+        // SAFETY: by the caller.
+        unsafe { self.joined(k..k + 1) }
     }
 }
 
@@ -301,12 +299,18 @@ impl<C: Cut> InTurn<'_, C> {
     /// Chunk `k` of the whole, if it is left; none before it will be handed out after it.
     #[inline(always)]
     pub(crate) fn take(&mut self, k: usize) -> Option<C::Part> {
-        if !self.left().contains(&k) {
-            return None;
-        }
-        self.next = k + 1;
         // SAFETY: runs are disjoint, each is a part once, and what is left of it only shrinks.
-        Some(unsafe { self.of.part(k) })
+        self.hands_out(&(k..k + 1)).then(|| unsafe { self.of.part(k) })
+    }
+
+    /// Whether these chunks are left, which they are no more then.
+    #[inline(always)]
+    fn hands_out(&mut self, own: &Range<usize>) -> bool {
+        let left = !own.is_empty() && own.start >= self.next && own.end <= self.end;
+        if left {
+            self.next = own.end;
+        }
+        left
     }
 }
 
@@ -314,12 +318,8 @@ impl<C: CutJoined> InTurn<'_, C> {
     /// The same of some that follow each other, as one.
     #[inline(always)]
     pub(crate) fn take_joined(&mut self, own: Range<usize>) -> Option<C::Part> {
-        if own.is_empty() || own.start < self.next || own.end > self.end {
-            return None;
-        }
-        self.next = own.end;
         // SAFETY: as above.
-        Some(unsafe { self.of.joined(own) })
+        self.hands_out(&own).then(|| unsafe { self.of.joined(own) })
     }
 }
 
