@@ -209,6 +209,7 @@ impl PairKernel<'_> {
             ask_for(s.mean_spin.as_ptr().cast(), body);
             ask_for(s.velocities.as_ptr().cast(), 2 * body);
             if let Some(c) = clumps {
+                // No look has read it where the contact acted before; those of single spheres `one_pass.rs` asks for.
                 ask_for(s.position.as_ptr().cast(), *sphere);
                 ask_for(c.centre.as_ptr().cast(), body);
                 ask_for(c.end_spin.as_ptr().cast(), body);
