@@ -12,7 +12,7 @@ use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::simd::{Level, PairKernel, Run, WallRun, Wrenches};
-use crate::threads::{Stage, Team, cut};
+use crate::threads::{EVEN, Stage, Team, cut, cut_groups, cut_groups_of};
 use crate::world::{Make, Scratch};
 
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
@@ -44,16 +44,19 @@ pub(crate) fn all_contacts<M: ContactLaw>(
         s.keep_all(near_begin, context.spheres.position.len() > make.large);
     }
     s.wrenches.walls().into_iter().for_each(|v| v.resize(entries, Record::default()));
-    s.room_for_yields(pairs, walls);
+    s.shares.cover(walls);
+    s.room_for_yields(pairs, s.shares.runs());
     let (w, near_chunks) = (&mut s.wrenches, near.div_ceil(CHUNK));
     place_on_meshes(context, make, walls, &mut s.mesh_nearest);
 
-    let (order, moved) = (&s.near_order, &s.moved);
+    let (order, moved, shares) = (&s.near_order, &s.moved, &s.shares);
+    let runs = &shares.entries[..];
     let (active, near_active) = pairs.active.split_at_mut(near_begin);
     let (memory, near_memory) = pairs.memory.split_at_mut(near_begin * slots);
     let (first, second) = (&pairs.first[..], &pairs.second[..]);
     let touching_stage = Stage {
         count: if with_touching { touching.div_ceil(CHUNK) } else { 0 },
+        shares: EVEN,
         parts: (
             cut(active, CHUNK),
             cut(memory, CHUNK * slots),
@@ -75,6 +78,7 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     };
     let near_stage = Stage {
         count: near_chunks,
+        shares: &shares.near,
         parts: (
             cut(near_active, CHUNK),
             cut(near_memory, CHUNK * slots),
@@ -92,21 +96,22 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     };
     let (sphere, wall, nearest) = (&walls.sphere[..], &walls.wall[..], &s.mesh_nearest[..]);
     let wall_stage = Stage {
-        count: entries.div_ceil(CHUNK),
+        count: shares.runs(),
+        shares: &shares.walls,
         parts: (
             (
-                cut(&mut walls.active, CHUNK),
-                cut(&mut walls.memory, CHUNK * slots),
-                cut(&mut w.wall_force, CHUNK),
-                cut(&mut w.wall_torque, CHUNK),
-                cut(&mut w.wall_torque_on_wall, CHUNK),
+                cut_groups(&mut walls.active, runs, 1),
+                cut_groups_of(&mut walls.memory, runs, 1, slots),
+                cut_groups(&mut w.wall_force, runs, 1),
+                cut_groups(&mut w.wall_torque, runs, 1),
+                cut_groups(&mut w.wall_torque_on_wall, runs, 1),
                 cut(&mut s.wall_yield, 1),
             ),
             cut(&mut s.wall_told, 1),
         ),
         work: |c, (parts, told): (PairParts<'_>, &mut [bool])| {
             let (active, numbers, force, torque, on_wall, into) = parts;
-            let begin = c * CHUNK;
+            let begin = runs[c] as usize;
             let end = begin + active.len();
             let nearest = nearest.get(begin..end).unwrap_or_default();
             let (sphere, wall) = (&sphere[begin..end], &wall[begin..end]);
@@ -338,7 +343,7 @@ impl Scratch {
     }
 
     /// Have room for what the chunks of all contacts yield.
-    pub(crate) fn room_for_yields(&mut self, pairs: &PairList, walls: &WallList) {
+    pub(crate) fn room_for_yields(&mut self, pairs: &PairList, wall_runs: usize) {
         self.pair_yield.resize_with(pairs.touching.div_ceil(CHUNK), Default::default);
         let near_chunks = pairs.near().len().div_ceil(CHUNK);
         if self.near_yield.len() < near_chunks {
@@ -348,8 +353,7 @@ impl Scratch {
         self.near_yield[near_chunks..].iter_mut().for_each(ChunkYield::reset);
         self.near_told.resize(self.near_yield.len(), false);
         self.near_told[near_chunks..].fill(false);
-        let wall_chunks = walls.len().div_ceil(CHUNK);
-        self.wall_yield.resize_with(wall_chunks, Default::default);
-        self.wall_told.resize(wall_chunks, false);
+        self.wall_yield.resize_with(wall_runs, Default::default);
+        self.wall_told.resize(wall_runs, false);
     }
 }

@@ -101,6 +101,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         s.placed_then.clone_from(&s.placed);
         s.kept = Kept::None;
         s.strips.forget();
+        s.shares.forget();
         s.whole.forget();
         self.scratch.stride = self.longest_stride();
         self.order_near();

@@ -117,7 +117,10 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let strips = &mut self.scratch.strips;
         if !strips.are_cut() {
             let seats = self.state.members.seats();
-            strips.cut(&self.state.pairs, self.state.bodies.len(), self.team.threads(), seats);
+            let (pairs, walls) = (&self.state.pairs, &self.state.wall_list);
+            let bodies = self.state.bodies.len();
+            strips.cut(pairs, bodies, self.team.threads(), seats);
+            self.scratch.shares.follow(strips, pairs, walls, seats, bodies);
         }
         strips.pay()
     }

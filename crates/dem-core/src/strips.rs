@@ -14,8 +14,12 @@
 //! Strips that took longer than others get less when the next list is cut: cores are not equally fast, above all
 //! those that others work on as well. Where strips are cut changes no bit of what comes out.
 
+mod shares;
+
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
+
+pub(crate) use shares::Shares;
 
 use crate::contact_stage::CHUNK;
 use crate::neighbour::verlet_list::PairList;

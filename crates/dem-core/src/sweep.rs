@@ -108,7 +108,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             tier.placed.clone_from(&s.placed);
             self.place_walls(&mut tier.placed, step as f64 * dt, dt);
         }
-        s.room_for_yields(&pairs, &walls);
+        s.room_for_yields(&pairs, walls.len().div_ceil(CHUNK));
         s.moved.cover(count);
         // Nothing is kept of what touches.
         if count > self.make.large {

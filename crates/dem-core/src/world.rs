@@ -23,7 +23,7 @@ use crate::neighbour::wall_list::{NearWalls, WallList};
 use crate::particles::{Bodies, Column, END, ParticleId, Record};
 use crate::rigid::Clump;
 use crate::spheres::{ClumpView, Seats, SphereView};
-use crate::strips::Strips;
+use crate::strips::{Shares, Strips};
 use crate::sums::{LateEnds, Ring};
 use crate::threads::Team;
 use crate::tier::Tier;
@@ -223,6 +223,8 @@ pub(crate) struct Scratch {
     pub(crate) kept: Kept,
     /// How one pass is shared out.
     pub(crate) strips: Strips,
+    /// How its walls and near pairs are shared out.
+    pub(crate) shares: Shares,
     /// The list in one strip, in a far bed.
     pub(crate) whole: Strips,
     /// For each strip, sums of touching pairs of the bodies that it has not finished yet.

@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 use crate::contact_stage::CHUNK;
 use crate::particles::Column;
 use crate::spheres::Seats;
-use crate::threads::{NO_PARTS, Stage, Team, cells, cut};
+use crate::threads::{EVEN, NO_PARTS, Stage, Team, cells, cut};
 
 /// Pairs in one block of the list.
 pub(crate) const LANES: usize = 8;
@@ -146,6 +146,7 @@ impl PairList {
         self.memory.make_room(whole_blocks(total) * slots, 0.0);
         let place = Stage {
             count: 2,
+            shares: EVEN,
             parts: cut(&mut both, 1),
             work: |kind: usize, placing: &mut [Placing<'_>]| {
                 placing[0].place(spheres, found, of[kind], begins[kind]);
@@ -154,6 +155,7 @@ impl PairList {
         // Until it is known, the first number that a pair remembers tells which pair of the old list it was.
         let forget = Stage {
             count: total.div_ceil(CHUNK),
+            shares: EVEN,
             parts: cut(&mut self.memory, CHUNK * slots),
             work: |_, memory: &mut [f64]| {
                 memory.iter_mut().step_by(slots).for_each(|was| *was = f64::from_bits(NONE));
@@ -189,6 +191,7 @@ impl PairList {
             let (list, came_from) = (&*self, cells(&mut memory));
             let sort = Stage {
                 count: 1,
+                shares: EVEN,
                 parts: (
                     cut(std::slice::from_mut(&mut by_later), 1),
                     cut(std::slice::from_mut(&mut later_start), 1),
@@ -201,6 +204,7 @@ impl PairList {
             // Each contact of the old list finds its pair, if it is listed still: no two find the same.
             let find = Stage {
                 count: known.len().div_ceil(CHUNK),
+                shares: EVEN,
                 parts: NO_PARTS,
                 work: |c: usize, ()| {
                     let begin = c * CHUNK;

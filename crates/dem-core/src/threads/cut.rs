@@ -142,6 +142,8 @@ pub(crate) struct Groups<'a, T> {
     begin: *mut T,
     starts: &'a [u32],
     size: usize,
+    /// Elements a place.
+    each: usize,
     slice: PhantomData<&'a mut [T]>,
 }
 
@@ -154,15 +156,25 @@ pub(crate) fn cut_groups<'a, T>(
     starts: &'a [u32],
     size: usize,
 ) -> Groups<'a, T> {
-    let within = starts.last().is_none_or(|&end| end as usize <= slice.len());
+    cut_groups_of(slice, starts, size, 1)
+}
+
+/// The same of places of `each` elements.
+pub(crate) fn cut_groups_of<'a, T>(
+    slice: &'a mut [T],
+    starts: &'a [u32],
+    size: usize,
+    each: usize,
+) -> Groups<'a, T> {
+    let within = starts.last().is_none_or(|&end| end as usize * each <= slice.len());
     assert!(within && starts.is_sorted(), "groups are not disjoint parts of their slice");
-    Groups { begin: slice.as_mut_ptr(), starts, size, slice: PhantomData }
+    Groups { begin: slice.as_mut_ptr(), starts, size, each, slice: PhantomData }
 }
 
 impl<'a, T> Groups<'a, T> {
     /// As [`Chunks::view`].
     pub(crate) fn view(&self) -> View<'a, T> {
-        let length = self.starts.last().map_or(0, |&end| end as usize);
+        let length = self.starts.last().map_or(0, |&end| end as usize * self.each);
         View { begin: self.begin, length, slice: PhantomData }
     }
 }
@@ -174,7 +186,7 @@ impl<'a, T: Send> Cut for Groups<'a, T> {
     unsafe fn part(&self, k: usize) -> &'a mut [T] {
         let at = |group: usize| {
             let last = self.starts.len().saturating_sub(1);
-            self.starts.get(group.min(last)).map_or(0, |&s| s as usize)
+            self.starts.get(group.min(last)).map_or(0, |&s| s as usize * self.each)
         };
         let (begin, end) = (at(k * self.size), at((k + 1) * self.size));
         // SAFETY: within the slice, and no other run of groups overlaps it.
@@ -424,6 +436,28 @@ mod tests {
         let part = chosen(cut(&mut numbers, 10), &which);
         team.each(2, part, |_, chunk| chunk.fill(7));
         assert_eq!(numbers.iter().filter(|x| **x == 7).count(), 20);
+    }
+
+    #[test]
+    fn groups_of_places_have_as_many_elements_each() {
+        let (mut marks, mut numbers) = ([0; 9], [0; 20]);
+        let starts = [0, 1, 1, 4];
+        let team = Team::new(2);
+        team.enter(|| {
+            let parts =
+                (cut_groups(&mut marks, &starts, 1), cut_groups_of(&mut numbers, &starts, 1, 4));
+            team.each(3, parts, |k, (marks, numbers): (&mut [usize], &mut [usize])| {
+                assert_eq!(4 * marks.len(), numbers.len());
+                marks.fill(k + 1);
+                numbers.fill(k + 1);
+            });
+        });
+        assert_eq!(marks, [1, 3, 3, 3, 0, 0, 0, 0, 0]);
+        let whole = numbers.as_chunks::<4>().0;
+        assert_eq!(whole, [[1; 4], [3; 4], [3; 4], [3; 4], [0; 4]]);
+        let short =
+            std::panic::catch_unwind(|| cut_groups_of(&mut [0; 15], &[0, 1, 4], 1, 4).view().len());
+        assert!(short.is_err(), "groups reach beyond their slice");
     }
 
     #[test]

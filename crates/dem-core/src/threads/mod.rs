@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 pub(crate) use cut::{
     Chunks, Cut, CutJoined, Groups, InTurn, NO_PARTS, NO_PLACE, PART, Runs, View, cells, chosen,
-    cut, cut_groups, packed, part,
+    cut, cut_groups, cut_groups_of, packed, part,
 };
 
 /// How long a thread looks for the next stage before it sleeps: longer than what one thread does alone while a list of some thousand bodies
@@ -26,24 +26,35 @@ pub(crate) use cut::{
 const PATIENCE: Duration = Duration::from_micros(500);
 
 /// Work on `count` chunks.
-pub(crate) struct Stage<C, F> {
+pub(crate) struct Stage<'s, C, F> {
     pub(crate) count: usize,
+    /// First chunk of the share of each thread and the end of the last one's, if they are not as large as each other.
+    pub(crate) shares: &'s [u32],
     pub(crate) parts: C,
     /// Called with the number of the chunk and the chunk.
     pub(crate) work: F,
 }
 
+/// Every thread has as many chunks.
+pub(crate) const EVEN: &[u32] = &[];
+
 /// A stage, whatever it works on.
 pub(crate) trait Work: Sync {
     fn count(&self) -> usize;
+    /// First chunk of the share of each thread and the end of the last one's; nothing where all have as many.
+    fn shares(&self) -> &[u32];
     /// # Safety
     /// Each `k` below the count is done at most once.
     unsafe fn chunk(&self, k: usize);
 }
 
-impl<C: Cut, F: Fn(usize, C::Part) + Sync> Work for Stage<C, F> {
+impl<C: Cut, F: Fn(usize, C::Part) + Sync> Work for Stage<'_, C, F> {
     fn count(&self) -> usize {
         self.count
+    }
+
+    fn shares(&self) -> &[u32] {
+        self.shares
     }
 
     #[inline]
@@ -91,7 +102,7 @@ impl Team {
         parts: C,
         work: impl Fn(usize, C::Part) + Sync,
     ) {
-        self.run(&[&Stage { count, parts, work }]);
+        self.run(&[&Stage { count, shares: EVEN, parts, work }]);
     }
 
     /// Whether something holds for all chunks.
@@ -342,7 +353,10 @@ impl Shared {
     /// Chunks of a stage in the share of thread `k`: the same part of every stage, so that a thread finds what
     /// lies side by side in its own cache, from stage to stage and from step to step.
     fn part(&self, k: usize, stage: &dyn Work) -> std::ops::Range<usize> {
-        let (count, threads) = (stage.count(), self.shares.len());
+        let (count, threads, shares) = (stage.count(), self.shares.len(), stage.shares());
+        if shares.len() == threads + 1 && shares[0] == 0 && shares[threads] as usize == count {
+            return shares[k] as usize..shares[k + 1] as usize;
+        }
         k * count / threads..(k + 1) * count / threads
     }
 
@@ -516,11 +530,13 @@ mod tests {
                 team.enter(|| {
                     let first = Stage {
                         count: 5,
+                        shares: EVEN,
                         parts: cut(&mut a, 10),
                         work: |_, p: &mut [u8]| p.fill(1),
                     };
                     let second = Stage {
                         count: 9,
+                        shares: &[0, 7, 9],
                         parts: cut(&mut b, 10),
                         work: |_, p: &mut [u8]| p.fill(2),
                     };
@@ -534,6 +550,21 @@ mod tests {
             s.spawn(move || work(&other));
             work(&team);
         });
+    }
+
+    #[test]
+    fn a_stage_is_cut_into_the_shares_it_asks_for_if_they_are_all_of_it() {
+        let crew = Crew::new(2).unwrap();
+        let shares = |count, shares: &'static [u32]| {
+            let stage = Stage { count, shares, parts: NO_PARTS, work: |_, ()| {} };
+            [0, 1].map(|k| crew.shared.part(k, &stage))
+        };
+        assert_eq!(shares(9, &[0, 7, 9]), [0..7, 7..9]);
+        assert_eq!(shares(9, &[0, 0, 9]), [0..0, 0..9]);
+        // Of another list, or of another team.
+        for other in [&[0, 7, 10][..], &[0, 4, 7, 9], EVEN] {
+            assert_eq!(shares(9, other), [0..4, 4..9], "{other:?}");
+        }
     }
 
     #[test]
