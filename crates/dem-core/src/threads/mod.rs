@@ -306,6 +306,8 @@ impl Crew {
             return run_alone(stages);
         }
         let s = &*self.shared;
+        let disjoint = stages.iter().all(|stage| stage.shares().is_sorted());
+        assert!(disjoint, "two threads have one chunk in their shares");
         // SAFETY: the lifetime is forgotten, but no chunk is claimed after this call returns.
         let stages: *const [&'static dyn Work] = unsafe {
             std::mem::transmute::<*const [&dyn Work], *const [&'static dyn Work]>(stages)
@@ -565,6 +567,15 @@ mod tests {
         for other in [&[0, 7, 10][..], &[0, 4, 7, 9], EVEN] {
             assert_eq!(shares(9, other), [0..4, 4..9], "{other:?}");
         }
+    }
+
+    #[test]
+    #[should_panic(expected = "two threads have one chunk in their shares")]
+    fn shares_that_overlap_are_refused() {
+        let team = Team::new(3);
+        let shares = &[0, 7, 5, 9];
+        let stage = Stage { count: 9, shares, parts: NO_PARTS, work: |_, ()| {} };
+        team.enter(|| team.run(&[&stage]));
     }
 
     #[test]
