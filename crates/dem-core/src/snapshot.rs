@@ -108,6 +108,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.scratch.wrenches.clone_from(&snapshot.wrenches);
         self.scratch.kept = Kept::All;
         self.scratch.strips.forget();
+        self.scratch.shares.forget();
         self.scratch.whole.forget();
         self.scratch.near_order.forget();
         // How far bodies have moved since its list was made is not known.

@@ -129,6 +129,27 @@ fn a_restart_between_sweeps_changes_no_bit() {
 }
 
 #[test]
+fn single_steps_after_a_restart_share_out_the_walls_of_the_snapshot() {
+    for threads in [1, 2] {
+        let mut straight = tube(usize::MAX, threads, Kernels::Fastest);
+        straight.run(200).unwrap();
+        let mut resumed = straight.clone();
+        resumed.run(1).unwrap();
+        straight.run(1800).unwrap();
+        // Those of the world that is restored are fewer.
+        let entries = [&resumed, &straight].map(|world| world.state.wall_list.len());
+        assert!(entries[0] < entries[1], "{entries:?}");
+        resumed.restore(&straight.snapshot()).unwrap();
+        for _ in 0..5 {
+            straight.run(1).unwrap();
+            resumed.run(1).unwrap();
+        }
+        assert_eq!(straight.state_hash(), resumed.state_hash(), "{threads}");
+        assert!(straight.snapshot() == resumed.snapshot(), "{threads}");
+    }
+}
+
+#[test]
 fn a_fault_in_a_sweep_is_told_as_by_single_steps_and_leaves_the_world_there() {
     let mut found = Vec::new();
     for limit in [3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3] {

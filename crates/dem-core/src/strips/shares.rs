@@ -37,9 +37,10 @@ impl Shares {
         self.entries.len().saturating_sub(1)
     }
 
-    /// Share out evenly what is not shared out yet.
+    /// Share out evenly what is not shared out yet, to its end.
     pub(crate) fn cover(&mut self, walls: &WallList) {
-        if self.entries.is_empty() {
+        if self.entries.last().is_none_or(|&end| end as usize != walls.len()) {
+            self.entries.clear();
             self.walls.clear();
             self.near.clear();
             self.add(0..walls.len(), CHUNK);
@@ -141,8 +142,15 @@ mod tests {
         shares.cover(&walls);
         assert_eq!(shares.entries, [0, 200, 401, 602]);
         assert!(shares.walls.is_empty() && shares.near.is_empty());
+        let before = shares.entries.as_ptr();
+        shares.cover(&walls);
+        assert_eq!(
+            (shares.entries.as_ptr(), shares.runs()),
+            (before, 3),
+            "the list has not changed"
+        );
         shares.cover(&row(90).1);
-        assert_eq!(shares.runs(), 3, "the list has not changed");
+        assert_eq!(shares.entries, [0, 62], "one of other entries is not covered by these");
         shares.forget();
         shares.cover(&WallList::default());
         assert_eq!((shares.runs(), &shares.entries[..]), (0, &[0][..]));
