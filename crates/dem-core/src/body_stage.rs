@@ -119,7 +119,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             pairs: Some(KeptWrenches {
                 pairs: &self.state.pairs,
                 wrenches: [&w.pair_force, &w.pair_torque_first, &w.pair_torque_second],
-                places: None,
             }),
             walls: &self.state.wall_list,
             w,

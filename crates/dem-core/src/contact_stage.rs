@@ -12,7 +12,8 @@ use crate::neighbour::verlet_list::{LANES, PairList};
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::simd::{Level, PairKernel, Run, WallRun, Wrenches};
-use crate::threads::{EVEN, Stage, Team, cut, cut_groups, cut_groups_of};
+use crate::strips::Strips;
+use crate::threads::{EVEN, Stage, Team, chosen, cut, cut_groups, cut_groups_of};
 use crate::world::{Make, Scratch};
 
 /// Bodies and contacts in one chunk of work: whole blocks, enough to be worth a hand-over.
@@ -26,7 +27,7 @@ const _: () = assert!(
     "chunks are whole pieces of bodies, and their marks whole words"
 );
 
-/// Compute all contacts, or all but the touching pairs; near pairs in action end in `s.wrenches.late`.
+/// Compute all contacts, or of touching pairs those alone that `strips` let compute ahead; near pairs in action end in `s.wrenches.late`.
 pub(crate) fn all_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
@@ -35,13 +36,15 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     pairs: &mut PairList,
     walls: &mut WallList,
     s: &mut Scratch,
-    with_touching: bool,
+    strips: Option<&Strips>,
 ) {
     let (touching, near_begin, slots) = (pairs.touching, pairs.near_begin, pairs.slots);
     let (near, entries) = (pairs.near().len(), walls.len());
     debug_assert_eq!(near_begin % LANES, 0);
-    if with_touching {
-        s.keep_all(near_begin, context.spheres.position.len() > make.large);
+    let large = context.spheres.position.len() > make.large;
+    match strips {
+        None => s.keep_all(near_begin, large),
+        Some(strips) => s.keep_some(strips.room(), if large { 0 } else { near_begin }),
     }
     s.wrenches.walls().into_iter().for_each(|v| v.resize(entries, Record::default()));
     s.shares.cover(walls);
@@ -54,26 +57,32 @@ pub(crate) fn all_contacts<M: ContactLaw>(
     let (active, near_active) = pairs.active.split_at_mut(near_begin);
     let (memory, near_memory) = pairs.memory.split_at_mut(near_begin * slots);
     let (first, second) = (&pairs.first[..], &pairs.second[..]);
+    let ahead = strips.map(Strips::ahead);
+    let of_pairs = (cut(active, CHUNK), cut(memory, CHUNK * slots), cut(&mut s.pair_yield, 1));
     let touching_stage = Stage {
-        count: if with_touching { touching.div_ceil(CHUNK) } else { 0 },
-        shares: EVEN,
+        count: ahead.map_or(touching.div_ceil(CHUNK), <[u32]>::len),
+        shares: if ahead.is_some() { &shares.ahead } else { EVEN },
         parts: (
-            cut(active, CHUNK),
-            cut(memory, CHUNK * slots),
-            cut(&mut w.pair_force, CHUNK),
-            cut(&mut w.pair_torque_first, CHUNK),
-            cut(&mut w.pair_torque_second, CHUNK),
-            cut(&mut s.pair_yield, 1),
+            chosen(of_pairs, ahead),
+            [
+                cut(&mut w.pair_force, CHUNK),
+                cut(&mut w.pair_torque_first, CHUNK),
+                cut(&mut w.pair_torque_second, CHUNK),
+            ],
+            cut(&mut s.pair_told, 1),
         ),
-        work: |c, parts: PairParts<'_>| {
-            let begin = c * CHUNK;
-            let end = begin + parts.0.len();
-            let pairs = parts.0.len().min(touching - begin);
+        work: |c, ((active, numbers, into), kept, told): TouchingParts<'_>| {
+            let begin = ahead.map_or(c, |ahead| ahead[c] as usize) * CHUNK;
+            let end = begin + active.len();
+            if let Some(bodies) = strips.and_then(|strips| strips.foreign(c)) {
+                context.spheres.fetch(bodies);
+            }
+            let pairs = active.len().min(touching - begin);
             let (first, second) = (&first[begin..end], &second[begin..end]);
-            let (active, numbers, force, torque_first, torque_second, into) = parts;
-            let wrenches = Wrenches::Kept([force, torque_first, torque_second]);
+            let wrenches = Wrenches::Kept(kept.map(|kept| &mut kept[..end - begin]));
             let chunk = Touching { pairs, slots, first, second, active, numbers, wrenches };
             touching_pairs(context, vector, chunk, &mut into[0]);
+            into[0].tell(&mut told[0]);
         },
     };
     let near_stage = Stage {
@@ -134,6 +143,10 @@ pub(crate) type PairParts<'a> = (
     &'a mut [Record],
     &'a mut [ChunkYield],
 );
+
+/// One chunk of touching pairs: marks, memory, what it yields; three wrenches; whether it yields anything.
+type TouchingParts<'a> =
+    ((&'a mut [u8], &'a mut [f64], &'a mut [ChunkYield]), [&'a mut [Record]; 3], &'a mut [bool]);
 
 /// One chunk of near pairs: marks, memory, what it yields, whether that is anything.
 type NearParts<'a> = (&'a mut [u8], &'a mut [f64], &'a mut [ChunkYield], &'a mut [bool]);
@@ -342,9 +355,18 @@ impl Scratch {
         near.chain(walls).filter(|(_, told)| **told).map(|(told, _)| told)
     }
 
+    /// Whether two overlap too deeply, as far as near pairs, walls and what was computed ahead tell.
+    pub(crate) fn deep_ahead(&self, strips: &Strips) -> bool {
+        let mut ahead = strips.ahead().iter().zip(&self.pair_told).filter(|(_, told)| **told);
+        self.told().any(|y| y.deep.is_some())
+            || ahead.any(|(&chunk, _)| self.pair_yield[chunk as usize].deep.is_some())
+    }
+
     /// Have room for what the chunks of all contacts yield.
     pub(crate) fn room_for_yields(&mut self, pairs: &PairList, wall_runs: usize) {
-        self.pair_yield.resize_with(pairs.touching.div_ceil(CHUNK), Default::default);
+        let chunks = pairs.touching.div_ceil(CHUNK);
+        self.pair_yield.resize_with(chunks, Default::default);
+        self.pair_told.resize(chunks, false);
         let near_chunks = pairs.near().len().div_ceil(CHUNK);
         if self.near_yield.len() < near_chunks {
             // Never fewer, and some more, so that a list with a few pairs more asks for no memory.

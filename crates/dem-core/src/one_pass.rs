@@ -7,9 +7,8 @@
 //! fetches every sphere once from memory. Wrenches are not kept: they are added to sums as they come,
 //! in the order in which the stages of `contact_stage.rs` and `body_stage.rs` add them, so to the same bits.
 //!
-//! Several threads go so in several strips (`strips.rs`). Few bodies, those near where strips meet, have to wait
-//! for both: the wrenches on them are kept, and the earlier strip takes over what the later one has left behind, or a last stage
-//! finishes them.
+//! Several threads go so in several strips (`strips.rs`). The few chunks of pairs that touch bodies of a later strip are computed
+//! ahead, as near pairs and walls are, and both strips find their wrenches.
 
 use std::ops::Range;
 
@@ -27,15 +26,12 @@ use crate::simd::{Level, PairKernel, Wrenches, fetch, on_records, widened};
 use crate::spheres::{ClumpView, SphereView};
 use crate::step::{contacts_of, kernel_of};
 use crate::strips::Strips;
-use crate::sums::{Collect, KeptWrenches, PIECE, Pull, Ring};
-use crate::threads::{
-    Chunks, Cut, CutJoined, Groups, InTurn, Runs, View, chosen, cut, cut_groups, packed,
-};
-use crate::world::{BodyYield, Make, StripYield, World, sphere_view};
+use crate::sums::{Collect, PIECE, Pull, Ring};
+use crate::threads::{Chunks, Cut, CutJoined, Groups, InTurn, Runs, View, chosen, cut, cut_groups};
+use crate::world::{Make, StripYield, World, sphere_view};
 
-/// One chunk of touching pairs: marks, memory, three kept wrenches, what it yields.
-pub(crate) type Chunk<'a> =
-    (&'a mut [u8], &'a mut [f64], [&'a mut [Record]; 3], &'a mut [ChunkYield]);
+/// One chunk of touching pairs: marks, memory, what it yields.
+pub(crate) type Chunk<'a> = (&'a mut [u8], &'a mut [f64], &'a mut [ChunkYield]);
 
 /// One piece of bodies: their columns, how far they have moved, what clumps have besides.
 pub(crate) type OfBodies<'a> = (Columns<'a>, &'a mut [f64], Turned<'a>);
@@ -75,8 +71,8 @@ pub(crate) struct Pass<'a, M, I> {
     pub(crate) kick: &'a Kick<'a, M>,
     pub(crate) drift: &'a Drift<'a>,
     pub(crate) turns: &'a Turns<'a>,
-    /// Wrenches that strips keep for each other, where there are several.
-    pub(crate) kept: Option<[View<'a, Record>; 3]>,
+    /// Wrenches of the chunks that were computed ahead.
+    pub(crate) kept: [&'a [Record]; 3],
     /// Whether places are asked for before they are needed: where the second-level cache does not hold the bed.
     pub(crate) warm: bool,
     /// Places when the list was made, and what has the moments of inertia where they differ, of a bed that no cache holds: there
@@ -134,8 +130,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut bodies = std::mem::take(&mut self.state.bodies);
         let mut s = std::mem::take(&mut self.scratch);
         let placed = std::mem::take(&mut s.placed);
-        let mut strips = std::mem::take(&mut s.strips);
-        strips.begin();
+        let strips = std::mem::take(&mut s.strips);
         let clumps = self.has_clumps();
         let (make, level) = (&self.make, self.make.level);
         {
@@ -143,15 +138,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let context = contacts_of(make, spheres, &placed, dt, false);
             let kernel = kernel_of(make, spheres, dt, false);
             let vector = kernel.as_ref().map(|kernel| (level, kernel));
-            all_contacts(&context, vector, &self.team, make, &mut pairs, &mut walls, &mut s, false);
+            if bodies.len() > make.large {
+                s.keep_none(pairs.near_begin);
+            }
+            let (team, ahead) = (&self.team, Some(&strips));
+            all_contacts(&context, vector, team, make, &mut pairs, &mut walls, &mut s, ahead);
         }
-        let mut deep = s.told().any(|y| y.deep.is_some());
+        let mut deep = s.deep_ahead(&strips);
         s.moved.cover(bodies.len());
-        let large = bodies.len() > make.large;
-        if large {
-            s.keep_none(pairs.near_begin);
-        }
-        s.keep_some(strips.room(), if large { 0 } else { pairs.near_begin });
         s.rings.resize_with(strips.count(), Ring::default);
         s.strip_yield.resize(strips.count(), StripYield::default());
         s.rings.iter_mut().for_each(|ring| ring.cover(pairs.window + SPARE, bodies.len()));
@@ -160,10 +154,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let mut end_spin = std::mem::take(&mut members.end_spin);
         let mut positions = std::mem::take(&mut members.position);
         let (seats, turns) = (members.seats(), self.turns(&members.shape, &members.first));
-        let mut kept = s.wrenches.touching().map(std::mem::take);
         let collect =
             Collect { pairs: None, walls: &walls, w: &s.wrenches, late_ends: &s.late_ends };
-        let mut kick = Kick {
+        let kick = Kick {
             make,
             seats,
             collect,
@@ -194,7 +187,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             );
             let spins = cut_columns.0[SPIN].view();
             let kernel = kernel_of(make, spheres, dt, false);
-            let wrenches = kept.each_mut().map(|wrenches| cut(wrenches, CHUNK));
+            let w = &s.wrenches;
             let pass = Pass {
                 context: contacts_of(make, spheres, &placed, dt, false),
                 vector: kernel.as_ref().map(|kernel| (level, kernel)),
@@ -206,7 +199,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 kick: &kick,
                 drift: &drift,
                 turns: &turns,
-                kept: Some(wrenches.each_ref().map(Chunks::view)),
+                kept: [&w.pair_force, &w.pair_torque_first, &w.pair_torque_second],
                 warm: count > WARM && !clumps,
                 far: (count > make.far && !clumps)
                     .then(|| [Some(drift.reference.into()), moments_of(make, spins)]),
@@ -215,12 +208,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             let mut chunks = (
                 cut(&mut active[..near_begin], CHUNK),
                 cut(&mut memory[..near_begin * pairs.slots], CHUNK * pairs.slots),
-                packed(wrenches, strips.kept()),
                 cut(&mut s.pair_yield, 1),
             );
             let mut pieces = (cut_columns, cut(&mut s.moved.square, 1), of_clumps);
             let parts = (
-                Runs::new(&mut pieces, &strips.finished),
+                Runs::new(&mut pieces, &strips.pieces),
                 Runs::new(&mut chunks, &strips.chunks),
                 cut(&mut s.rings, 1),
                 cut(&mut s.strip_yield, 1),
@@ -233,30 +225,12 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         }
         (pairs.active, pairs.memory) = (active, memory);
         deep |= s.strip_yield.iter().any(|y| y.deep);
-        let mut moved_far = s.strip_yield.iter().any(|y| y.moved_far);
-        strips.see_what_is_left(&s.strip_yield);
-        let wrenches = kept.each_ref().map(|wrenches| &wrenches[..]);
-        kick.collect.pairs =
-            Some(KeptWrenches { pairs: &pairs, wrenches, places: Some(strips.kept()) });
-        let deferred = &strips.left;
-        s.body_yield.reserve(bodies.len().div_ceil(PIECE).saturating_sub(s.body_yield.len()));
-        s.body_yield.resize(deferred.len(), BodyYield::default());
-        let of_clumps = cut_clumps(&mut attitude, &mut end_spin, &mut positions, &members.first);
-        let pieces = (cut_bodies(&mut bodies, PIECE), cut(&mut s.moved.square, 1), of_clumps);
-        let parts = (chosen(pieces, deferred), cut(&mut s.body_yield, 1));
-        self.team.each(deferred.len(), parts, |k, (of, result)| {
-            let (mut sums, count) = ([Pull::ZERO; PIECE], of.0.1.len());
-            let drift = (!deep).then_some(&drift);
-            let finish = Finish { integrator, kick: &kick, drift, turns: &turns, level };
-            let begin = deferred[k] as usize * PIECE;
-            result[0].moved_far = finish.piece(begin, of, &mut sums[..count]).too_far;
-        });
-        moved_far |= s.body_yield.iter().any(|y| y.moved_far);
+        let moved_far = s.strip_yield.iter().any(|y| y.moved_far);
         if deep {
             // A fault leaves bodies where they were when it was found.
             let columns = (cut_bodies(&mut bodies, PIECE), cut(&mut attitude, PIECE));
             let moved: Vec<_> = strips.moved(&s.strip_yield).collect();
-            let parts = chosen(columns, &moved);
+            let parts = chosen(columns, Some(&moved));
             self.team.each(moved.len(), parts, |k, (columns, attitude)| {
                 let mut run = Run::of(moved[k] as usize * PIECE, columns);
                 run.undo_drift(dt);
@@ -267,9 +241,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 }
             });
             self.state.forces_stale = true;
-        }
-        for (to, kept) in s.wrenches.touching().into_iter().zip(kept) {
-            *to = kept;
         }
         (members.attitude, members.end_spin, members.position) = (attitude, end_spin, positions);
         self.state.members = members;
@@ -290,8 +261,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 }
 
 impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
-    /// Go through a strip: compute its pairs, and finish those of its bodies that are not deferred; `deep` tells whether two
-    /// overlap too deeply already.
+    /// Go through a strip: compute its pairs, and finish its bodies; `deep` tells whether two overlap too deeply already.
     fn strip<'b, B, C>(
         &self,
         strip: usize,
@@ -304,64 +274,20 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         B: Cut<Part = OfBodies<'b>>,
         C: CutJoined<Part = Chunk<'b>>,
     {
-        let all = chunks.left();
-        let first = self.strips.pieces[strip] as usize;
+        let (all, first) = (chunks.left(), bodies.left().start);
         let mut gone = Gone { chunk: all.start, piece: first, ..Gone::default() };
         gone.into.deep = deep;
-        let (own, handed) = (bodies.left(), self.strips.handed(strip));
-        self.go(strip, &mut bodies, &mut chunks, ring, &mut gone, (all.end, handed.is_empty()));
-        if !handed.is_empty() {
-            self.take_over(strip, (&own, &handed), &mut bodies, ring, &mut gone);
-        }
+        ring.receive(self.strips.received(strip), self.kept);
+        self.go(strip, &mut bodies, &mut chunks, ring, &mut gone, (all.end, true));
         gone.into
     }
 
-    /// Go on behind the last chunk of a strip with what the next one hands to it, if that is left behind there, and to the end.
-    fn take_over<'b, B: Cut<Part = OfBodies<'b>>>(
-        &self,
-        strip: usize,
-        (own, handed): (&Range<usize>, &Range<usize>),
-        bodies: &mut InTurn<'_, B>,
-        ring: &mut Ring,
-        gone: &mut Gone,
-    ) {
-        let (pairs, seats) = (self.pairs, self.kick.seats);
-        // What it touched there is done with itself.
-        self.finish(handed.start, own, None, bodies, ring, gone);
-        let handed_over = self.strips.are_handed(strip);
-        gone.into.took_over = handed_over.is_some();
-        // Who takes part in a fault must not move on.
-        gone.into.deep |= handed_over.unwrap_or_default();
-        let chunks = self.strips.next_chunks(strip);
-        if let Some(kept) = self.kept.filter(|_| gone.into.took_over) {
-            for chunk in chunks {
-                let begin = chunk * CHUNK;
-                gone.reach = self.reach(chunk);
-                self.finish(self.owner(chunk) / PIECE, own, Some(handed), bodies, ring, gone);
-                if self.strips.keep(chunk) {
-                    let own = begin..(begin + CHUNK).min(pairs.touching);
-                    let at = self.strips.kept()[chunk] as usize * CHUNK;
-                    let kept = kept.each_ref().map(|kept| kept.run(at..at + own.len()));
-                    let (first, second) = (&pairs.first[own.clone()], &pairs.second[own]);
-                    widened(
-                        self.level,
-                        #[inline(always)]
-                        || ring.add(first, second, kept, seats),
-                    );
-                }
-            }
-        }
-        let taken = gone.into.took_over.then_some(handed);
-        self.finish(own.end.max(gone.reach.div_ceil(PIECE)), own, taken, bodies, ring, gone);
-    }
-
-    /// Finish the bodies of a strip before a piece, unless they wait and are not taken over.
+    /// Finish the bodies of a strip before a piece.
     #[inline(always)]
     fn finish<'b, B: Cut<Part = OfBodies<'b>>>(
         &self,
         before: usize,
         own: &Range<usize>,
-        taken: Option<&Range<usize>>,
         bodies: &mut InTurn<'_, B>,
         ring: &mut Ring,
         gone: &mut Gone,
@@ -369,9 +295,7 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
         while gone.piece < before {
             let begin = gone.piece * PIECE;
             let sums = ring.piece(begin, PIECE.min(self.bodies - begin));
-            let waits = self.strips.waits(gone.piece)
-                && !taken.is_some_and(|taken| taken.contains(&gone.piece));
-            if waits || !own.contains(&gone.piece) {
+            if !own.contains(&gone.piece) {
                 sums.fill(Pull::ZERO);
             } else if let Some(of) = bodies.take(gone.piece) {
                 let finish = Finish {
@@ -407,12 +331,12 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
     #[inline(always)]
     fn together(&self, chunk: usize, until: usize, ring: &Ring) -> usize {
         let mut next = chunk + 1;
-        if self.strips.keep(chunk) {
+        if self.strips.kept(chunk).is_some() {
             return next;
         }
         let first = self.owner(chunk) / PIECE * PIECE;
         while next < until.min(chunk + TOGETHER)
-            && !self.strips.keep(next)
+            && self.strips.kept(next).is_none()
             && ring.holds(first..self.reach(next))
         {
             next += 1;
@@ -465,11 +389,29 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
                 }
                 gone.asked = [touched, finished];
             }
-            self.finish(frontier, &own, None, bodies, ring, gone);
+            self.finish(frontier, &own, bodies, ring, gone);
+            if chunk == until {
+                break;
+            }
+            if let Some(kept) = self.strips.kept(chunk) {
+                let own = begin..(begin + CHUNK).min(pairs.touching);
+                let at = kept * CHUNK..kept * CHUNK + own.len();
+                let kept = self.kept.map(|kept| &kept[at.clone()]);
+                let (first, second) = (&pairs.first[own.clone()], &pairs.second[own]);
+                widened(
+                    self.level,
+                    #[inline(always)]
+                    || ring.add(first, second, kept, seats),
+                );
+                (chunk, gone.chunk) = (next, next);
+                continue;
+            }
             let taken = chunks.take_joined(chunk..next);
-            let Some((active, numbers, kept, found)) = taken else { break };
+            let Some((active, numbers, found)) = taken else { break };
             debug_assert!(
-                (chunk..next).all(|chunk| self.strips.stays_within(strip, pairs, chunk, seats)),
+                (chunk..next).all(|chunk| {
+                    self.strips.stays_within(strip, pairs, chunk, (seats, self.bodies))
+                }),
                 "others' bodies are read"
             );
             let all = active.len();
@@ -478,29 +420,12 @@ impl<M: ContactLaw, I: Integrator> Pass<'_, M, I> {
             let count = all.min(pairs.touching - begin);
             // The first tells of all.
             found.iter_mut().skip(1).for_each(ChunkYield::reset);
-            let mut compute = |wrenches| {
-                let run =
-                    Touching { pairs: count, slots, first, second, active, numbers, wrenches };
-                touching_pairs(&self.context, self.vector, run, &mut found[0]);
-            };
-            if self.strips.keep(chunk) {
-                let [force, on_first, on_second] = kept.map(|kept| &mut kept[..all]);
-                compute(Wrenches::Kept([force, on_first, on_second]));
-                let kept = [&force[..count], &on_first[..count], &on_second[..count]];
-                widened(
-                    self.level,
-                    #[inline(always)]
-                    || ring.add(first, second, kept, seats),
-                );
-            } else {
-                compute(Wrenches::Summed(ring.slots()));
-            }
+            let wrenches = Wrenches::Summed(ring.slots());
+            let run = Touching { pairs: count, slots, first, second, active, numbers, wrenches };
+            touching_pairs(&self.context, self.vector, run, &mut found[0]);
             gone.into.deep |= found[0].deep.is_some();
             gone.deepest = deeper(gone.deepest, found[0].deep);
             (chunk, gone.chunk) = (next, next);
-            if self.kept.is_some() {
-                self.strips.pass(strip, gone.chunk, gone.into.deep);
-            }
         }
     }
 }

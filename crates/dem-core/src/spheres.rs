@@ -2,7 +2,7 @@
 
 use crate::forces::Wrench;
 use crate::particles::{END, MEAN, Record, Velocities};
-use crate::simd::{Numbers, V3};
+use crate::simd::{Numbers, V3, fetch};
 use crate::threads::View;
 
 /// What contacts gather from their spheres.
@@ -81,6 +81,13 @@ impl SphereView<'_> {
     #[inline(always)]
     pub(crate) fn body(&self, sphere: usize) -> usize {
         self.clumps.map_or(sphere, |c| c.body[sphere] as usize)
+    }
+
+    /// Ask the memory for what contacts read of some bodies.
+    pub(crate) fn fetch(&self, bodies: std::ops::Range<usize>) {
+        fetch(self.clumps.map_or(self.position, |c| c.centre), bodies.clone());
+        fetch(self.velocities, bodies.clone());
+        fetch(self.mean_spin, bodies);
     }
 
     /// Where the numbers of mean velocities begin, and those of the ones foretold; those of the next body follow behind two records.

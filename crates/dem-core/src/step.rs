@@ -158,14 +158,14 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if ledger && vector.is_some() {
             let (mut pairs, mut walls) = (pairs.clone(), walls.clone());
             all_contacts(
-                &context, None, &self.team, &self.make, &mut pairs, &mut walls, &mut s, true,
+                &context, None, &self.team, &self.make, &mut pairs, &mut walls, &mut s, None,
             );
             let yields = s.pair_yield.iter().chain(&s.near_yield).chain(&s.wall_yield);
             yields.for_each(|y| booked.add(&y.flow));
             context.ledger = false;
         }
         all_contacts(
-            &context, vector, &self.team, &self.make, &mut pairs, &mut walls, &mut s, true,
+            &context, vector, &self.team, &self.make, &mut pairs, &mut walls, &mut s, None,
         );
         if let Some(first) = s.pair_yield.first_mut() {
             first.flow.add(&booked);

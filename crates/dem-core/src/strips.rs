@@ -1,15 +1,10 @@
 //! How one pass over contacts and bodies is shared out.
 //!
 //! A strip is a run of chunks of touching pairs with the run of bodies that own most of them; a thread goes through one
-//! strip as one thread goes through all. Where a body is touched by pairs of another strip than its own, it has to
-//! wait for both: it is *deferred*. A strip reads deferred bodies but leaves them as they are, and the wrenches of
-//! the chunks that touch them are kept, so that a later stage finds them. All other bodies are read and
-//! written by their own strip alone. Bodies are told by pieces: a piece is deferred if one of its bodies is.
-//!
-//! Bodies that only two neighbouring strips touch are *handed*: they lie at the beginning of the later strip, which computes its pairs with
-//! them first. When the earlier one comes to its end it has summed its own wrenches on them, as a rule the later one has long
-//! left them behind, and so the earlier one goes on with the wrenches kept there, in the order of the list, and finishes them: only what it
-//! cannot take over yet waits for the last stage.
+//! strip as one thread goes through all. Bodies of a strip are touched by its own chunks and by few of earlier strips. Those
+//! chunks are computed *ahead*, together with walls and near pairs, while no body moves yet, and their wrenches are kept.
+//! In their turn the strip that they belong to adds these instead of computing them; each later strip begins with those that its own
+//! bodies receive. So a strip reads and writes no bodies but its own, waits for nobody, and every sum is that of the order of the list.
 //!
 //! Strips that took longer than others get less when the next list is cut: cores are not equally fast, above all
 //! those that others work on as well. Where strips are cut changes no bit of what comes out.
@@ -17,7 +12,6 @@
 mod shares;
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 pub(crate) use shares::Shares;
 
@@ -25,7 +19,6 @@ use crate::contact_stage::CHUNK;
 use crate::neighbour::verlet_list::PairList;
 use crate::spheres::Seats;
 use crate::sums::PIECE;
-use crate::threads::NO_PLACE;
 use crate::world::StripYield;
 
 /// The strips of a list of pairs.
@@ -35,43 +28,37 @@ pub(crate) struct Strips {
     pub(crate) chunks: Vec<u32>,
     /// First piece of bodies of each, and the end of the last one.
     pub(crate) pieces: Vec<u32>,
-    /// First piece that each finishes, itself or by taking over, and the end of the last one.
-    pub(crate) finished: Vec<u32>,
-    /// Chunks of the next strip that touch what it hands to each.
-    next_chunks: Vec<Range<usize>>,
-    /// Deferred pieces, and those that nobody has taken over in this step.
-    deferred: Vec<u32>,
-    pub(crate) left: Vec<u32>,
-    /// Which strip other than its own touches a piece.
-    touched_by: Vec<u32>,
-    /// Chunks that each has passed in this step.
-    passed: Passed,
-    /// Whether a piece is deferred.
-    waits: Vec<bool>,
-    /// Where the wrenches of each chunk are kept, in chunks.
+    /// Chunks that are computed ahead, and which of them is the first of each strip.
+    ahead: Vec<u32>,
+    ahead_start: Vec<u32>,
+    /// Which of them is the first for each thread, and their end.
+    ahead_share: Vec<u32>,
+    /// Of each part of them that one thread computes which is the first, and what bodies of another strip they touch.
+    foreign: Vec<(u32, Range<usize>)>,
+    /// Where the wrenches of each chunk are kept, in chunks: [`NO_PLACE`] where it is not computed ahead.
     kept: Vec<u32>,
-    /// How many chunks are.
-    kept_chunks: usize,
+    /// What bodies of strips receive from chunks of earlier ones, in the order of the list, and where that of each strip begins.
+    received: Vec<Received>,
+    received_start: Vec<u32>,
     /// Share of the work of each strip; none before one was timed.
     shares: Vec<f64>,
     /// What each has taken since the list was cut, s.
     taken: Vec<f64>,
 }
 
-/// Up to which chunk strips have come, as others see it: twice, plus one where two bodies overlap too deeply.
-#[derive(Debug, Default)]
-struct Passed(Vec<AtomicU32>);
-
-impl Clone for Passed {
-    /// A copy has come nowhere.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
+/// A kept wrench on a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Received {
+    /// Where it is kept, twice, plus one where it acts on the second of its spheres.
+    pub(crate) wrench: u32,
+    pub(crate) body: u32,
 }
 
-/// Touched by no other strip, or by several.
-const NONE: u32 = u32::MAX;
-const SEVERAL: u32 = u32::MAX - 1;
+/// The place of a chunk whose wrenches are not kept.
+const NO_PLACE: u32 = u32::MAX;
+
+/// Most bodies of another strip that are asked for beforehand: those of a few layers.
+const MOST_FOREIGN: usize = 1024;
 
 /// Least share of a strip, of an equal one, before all shares are brought to one.
 const LEAST_SHARE: f64 = 0.5;
@@ -124,105 +111,76 @@ impl Strips {
         self.chunks.len().saturating_sub(1)
     }
 
-    /// Whether few enough bodies are deferred that they gain anything.
+    /// Whether few enough chunks are computed ahead that they gain anything.
     pub(crate) fn pay(&self) -> bool {
-        2 * self.deferred.len() <= self.waits.len()
+        2 * self.ahead.len() <= self.kept.len()
     }
 
-    /// A step begins: no strip has come anywhere.
-    pub(crate) fn begin(&mut self) {
-        self.passed.0.resize_with(self.count(), AtomicU32::default);
-        self.passed.0.iter_mut().for_each(|passed| *passed.get_mut() = 0);
+    /// Which of the chunks that are computed ahead is the first for each thread, and their end: of those that lie between two strips
+    /// both have a half.
+    pub(crate) fn ahead_share(&self) -> &[u32] {
+        &self.ahead_share
     }
 
-    /// A strip has computed all its chunks before this one, and reads no body that no later one touches; `deep` tells whether two overlap
-    /// too deeply.
+    /// Chunks that are computed ahead, in order.
+    pub(crate) fn ahead(&self) -> &[u32] {
+        &self.ahead
+    }
+
+    /// Where the wrenches of a chunk are kept, in chunks, if it is computed ahead.
     #[inline(always)]
-    pub(crate) fn pass(&self, strip: usize, chunk: usize, deep: bool) {
-        self.passed.0[strip].store(2 * chunk as u32 + u32::from(deep), Ordering::Release);
+    pub(crate) fn kept(&self, chunk: usize) -> Option<usize> {
+        let place = self.kept[chunk];
+        (place != NO_PLACE).then_some(place as usize)
     }
 
-    /// Chunks of the next strip that touch what it hands to this one, in order.
-    pub(crate) fn next_chunks(&self, strip: usize) -> Range<usize> {
-        self.next_chunks[strip].clone()
+    /// What bodies of a strip receive from chunks of earlier ones.
+    pub(crate) fn received(&self, strip: usize) -> &[Received] {
+        let at = |strip: usize| self.received_start.get(strip).map_or(0, |&start| start as usize);
+        &self.received[at(strip)..at(strip + 1)]
     }
 
-    /// Whether two bodies overlap too deeply as far as the next strip has come, if it has left behind what it hands to this one.
-    pub(crate) fn are_handed(&self, strip: usize) -> Option<bool> {
-        let passed = self.passed.0[strip + 1].load(Ordering::Acquire);
-        ((passed / 2) as usize >= self.next_chunks[strip].end).then_some(!passed.is_multiple_of(2))
+    /// What bodies of another strip are touched by the chunks that are computed ahead from the `nth` on, if a thread begins with that:
+    /// another core has them.
+    pub(crate) fn foreign(&self, nth: usize) -> Option<Range<usize>> {
+        let of = self.foreign.iter().find(|(first, _)| *first as usize == nth);
+        of.map(|(_, bodies)| bodies.clone())
     }
 
-    /// Pieces that the next strip hands to this one.
-    #[inline(always)]
-    pub(crate) fn handed(&self, strip: usize) -> Range<usize> {
-        self.pieces[strip + 1] as usize..self.finished[strip + 1] as usize
-    }
-
-    /// Note which deferred pieces nobody has taken over.
-    pub(crate) fn see_what_is_left(&mut self, yields: &[StripYield]) {
-        let mut left = std::mem::take(&mut self.left);
-        left.clear();
-        let taken = |piece: usize| {
-            let strip = self.finished.partition_point(|&begin| begin as usize <= piece) - 1;
-            yields[strip].took_over && self.handed(strip).contains(&piece)
-        };
-        left.extend(self.deferred.iter().filter(|&&piece| !taken(piece as usize)));
-        self.left = left;
-    }
-
-    /// Whether a piece of bodies is deferred.
-    #[inline(always)]
-    pub(crate) fn waits(&self, piece: usize) -> bool {
-        self.waits[piece]
-    }
-
-    /// Whether the wrenches of a chunk are kept.
-    #[inline(always)]
-    pub(crate) fn keep(&self, chunk: usize) -> bool {
-        self.kept[chunk] != NO_PLACE
-    }
-
-    /// Where the wrenches of each chunk are kept, in chunks: side by side.
-    pub(crate) fn kept(&self) -> &[u32] {
-        &self.kept
-    }
-
-    /// Room that they need.
+    /// Room that kept wrenches need.
     pub(crate) fn room(&self) -> usize {
-        self.kept_chunks * CHUNK
+        self.ahead.len() * CHUNK
     }
 
     /// Cut a list of pairs of so many bodies.
     pub(crate) fn cut(&mut self, pairs: &PairList, bodies: usize, strips: usize, seats: Seats<'_>) {
         self.share_out(strips);
         self.cut_by_shares(pairs, bodies, strips, 0, seats);
-        // Deferred bodies lie at the beginning of every strip but the first, and are no work of the strip.
-        let later = strips - 1;
-        if let Some(each) = (self.deferred.len() * PIECE).checked_div(later) {
+        // What is computed ahead is no work of the strip.
+        if let Some(each) = (self.ahead.len() * CHUNK).checked_div(strips - 1) {
             self.cut_by_shares(pairs, bodies, strips, each, seats);
         }
     }
 
-    /// Cut it so that every strip has its share of the work, if so many bodies of every strip but the first are none.
+    /// Cut it so that every strip has its share of the work, if so many pairs of every strip but the last are none.
     fn cut_by_shares(
         &mut self,
         pairs: &PairList,
         bodies: usize,
         strips: usize,
-        deferred: usize,
+        ahead: usize,
         seats: Seats<'_>,
     ) {
         let (pieces, chunks) = (bodies.div_ceil(PIECE), pairs.touching.div_ceil(CHUNK));
         let first = |piece: usize| seats.first((piece * PIECE).min(bodies));
         let start = |piece: usize| pairs.touching_start[first(piece)] as usize;
         let work = |piece: usize| start(piece) + (piece * PIECE).min(bodies);
-        let all = work(pieces).saturating_sub((strips - 1) * deferred);
+        let all = work(pieces).saturating_sub((strips - 1) * ahead);
         self.chunks.clear();
         self.pieces.clear();
         let (mut piece, mut shares) = (0, 0.0);
         for strip in 0..=strips {
-            let before = (all as f64 * shares) as usize + strip.saturating_sub(1) * deferred;
+            let before = (all as f64 * shares) as usize + strip * ahead;
             shares += self.shares.get(strip).copied().unwrap_or_default();
             while piece < pieces && (work(piece) < before || strip == strips) {
                 piece += 1;
@@ -231,116 +189,119 @@ impl Strips {
             self.pieces.push(piece as u32);
             self.chunks.push(chunk.min(chunks) as u32);
         }
-        self.defer(pairs, pieces, chunks, seats);
+        self.look_ahead(pairs, bodies, chunks, seats);
     }
 
-    /// See which pieces have to wait and which chunks are kept for them.
-    fn defer(&mut self, pairs: &PairList, pieces: usize, chunks: usize, seats: Seats<'_>) {
-        self.waits.clear();
-        self.waits.resize(pieces, false);
-        self.touched_by.clear();
-        self.touched_by.resize(pieces, NONE);
+    /// See which chunks are computed ahead, by whom, and who receives what from them.
+    fn look_ahead(&mut self, pairs: &PairList, bodies: usize, chunks: usize, seats: Seats<'_>) {
+        self.kept.clear();
+        self.kept.resize(chunks, NO_PLACE);
+        for starts in [&mut self.ahead, &mut self.ahead_start, &mut self.ahead_share] {
+            starts.clear();
+        }
+        self.foreign.clear();
+        // Room for all, since where strips are cut is a matter of time: a step asks for no memory.
+        self.ahead.reserve(chunks);
+        self.ahead_share.push(0);
         for strip in 0..self.count() {
-            let own = self.own(strip);
-            let chunks = self.chunks[strip] as usize..self.chunks[strip + 1] as usize;
-            // Most chunks touch no other strip.
-            for chunk in chunks.filter(|&c| !holds(&own, &touched(pairs, c, seats, pieces))) {
-                for piece in ends(pairs, chunk, seats).filter(|piece| !own.contains(piece)) {
-                    self.waits[piece] = true;
-                    let by = &mut self.touched_by[piece];
-                    let alone = [NONE, strip as u32].contains(by);
-                    *by = if alone { strip as u32 } else { SEVERAL };
+            let begin = self.ahead.len();
+            self.ahead_start.push(begin as u32);
+            let end = self.own(strip, bodies).end;
+            let body = |sphere: usize| seats.body(sphere);
+            let mut reach = end;
+            for chunk in self.chunks[strip] as usize..self.chunks[strip + 1] as usize {
+                // Most chunks touch no other strip.
+                if body(pairs.owner(chunk * CHUNK)) + pairs.window <= end {
+                    continue;
+                }
+                let last = ends(pairs, chunk).map(body).max().unwrap_or_default();
+                if last >= end {
+                    self.kept[chunk] = self.ahead.len() as u32;
+                    self.ahead.push(chunk as u32);
+                    reach = reach.max(last + 1);
+                }
+            }
+            let own = &self.ahead[begin..];
+            let half = own.len().div_ceil(2);
+            self.ahead_share.push((begin + half) as u32);
+            if !own.is_empty() {
+                self.foreign.push((begin as u32, end..reach.min(end + MOST_FOREIGN)));
+            }
+            if let Some(&chunk) = own.get(half) {
+                let owner = body(pairs.owner(chunk as usize * CHUNK));
+                let from = owner.max(end.saturating_sub(MOST_FOREIGN)).min(end);
+                self.foreign.push(((begin + half) as u32, from..end));
+            }
+        }
+        self.ahead_start.push(self.ahead.len() as u32);
+        if let Some(end) = self.ahead_share.last_mut() {
+            *end = self.ahead.len() as u32;
+        }
+        self.see_what_is_received(pairs, bodies, seats);
+    }
+
+    /// See what bodies of strips receive from chunks of earlier ones.
+    fn see_what_is_received(&mut self, pairs: &PairList, bodies: usize, seats: Seats<'_>) {
+        self.received.clear();
+        self.received_start.clear();
+        // The next list has about as many, and a step asks for no memory.
+        let most = 2 * self.ahead.len() * CHUNK;
+        if self.received.capacity() < most {
+            self.received.reserve(2 * most);
+        }
+        for strip in 0..self.count() {
+            self.received_start.push(self.received.len() as u32);
+            let own = self.own(strip, bodies);
+            let earlier = &self.ahead[..self.ahead_start[strip] as usize];
+            for (kept, &chunk) in earlier.iter().enumerate() {
+                let begin = chunk as usize * CHUNK;
+                for pair in begin..(begin + CHUNK).min(pairs.touching) {
+                    for (role, sphere) in [pairs.first[pair], pairs.second[pair]].iter().enumerate()
+                    {
+                        let body = seats.body(*sphere as usize);
+                        if own.contains(&body) {
+                            let wrench = (2 * (kept * CHUNK + pair - begin) + role) as u32;
+                            self.received.push(Received { wrench, body: body as u32 });
+                        }
+                    }
                 }
             }
         }
-        self.hand_over(pairs, seats);
-        self.deferred.clear();
-        // Room for all, since where strips are cut is a matter of time: a step asks for no memory.
-        self.deferred.reserve(pieces);
-        self.left.clear();
-        self.left.reserve(pieces);
-        self.deferred.extend((0..pieces as u32).filter(|&piece| self.waits[piece as usize]));
-        self.kept.clear();
-        self.kept_chunks = 0;
-        for chunk in 0..chunks {
-            let waits = |piece: usize| self.waits.get(piece).copied().unwrap_or_default();
-            let kept = touched(pairs, chunk, seats, pieces).any(waits)
-                && ends(pairs, chunk, seats).any(waits);
-            self.kept.push(if kept { self.kept_chunks as u32 } else { NO_PLACE });
-            self.kept_chunks += usize::from(kept);
-        }
+        self.received_start.push(self.received.len() as u32);
     }
 
-    /// See what each strip hands to the one before it: all of its deferred pieces, if they are touched by no other.
-    fn hand_over(&mut self, pairs: &PairList, seats: Seats<'_>) {
-        self.finished.clone_from(&self.pieces);
-        self.next_chunks.clear();
-        for strip in 0..self.count() {
-            let own = if strip + 1 < self.count() { self.own(strip + 1) } else { 0..0 };
-            let mut deferred = own.clone().filter(|&piece| self.waits[piece]);
-            let alone = deferred.clone().all(|piece| self.touched_by[piece] == strip as u32);
-            let Some(last) = deferred.next_back().filter(|_| alone) else {
-                self.next_chunks.push(0..0);
-                continue;
-            };
-            // What lies between them waits with them.
-            self.waits[own.start..=last].fill(true);
-            self.finished[strip + 1] = last as u32 + 1;
-            let next = self.chunks[strip + 1] as usize..self.chunks[strip + 2] as usize;
-            let owner = |chunk: usize| seats.body(pairs.owner(chunk * CHUNK)) / PIECE;
-            let touching = next.clone().take_while(|&chunk| owner(chunk) <= last).count();
-            self.next_chunks.push(next.start..next.start + touching);
-        }
-    }
-
-    /// Pieces of bodies of a strip.
-    fn own(&self, strip: usize) -> Range<usize> {
-        self.pieces[strip] as usize..self.pieces[strip + 1] as usize
+    /// Bodies of a strip, of so many.
+    pub(crate) fn own(&self, strip: usize, bodies: usize) -> Range<usize> {
+        let at = |piece: u32| (piece as usize * PIECE).min(bodies);
+        at(self.pieces[strip])..at(self.pieces[strip + 1])
     }
 
     /// Pieces that have moved on before all strips were done.
     pub(crate) fn moved(&self, yields: &[StripYield]) -> impl Iterator<Item = u32> {
         yields.iter().enumerate().flat_map(move |(strip, to)| {
-            let own = self.finished[strip] as usize..self.finished[strip + 1] as usize;
-            let taken = if to.took_over { self.handed(strip) } else { 0..0 };
-            let gone = own.take_while(|&piece| piece < to.drifted);
-            gone.filter(move |piece| taken.contains(piece) || !self.waits[*piece])
-                .map(|piece| piece as u32)
+            let own = self.pieces[strip]..self.pieces[strip + 1];
+            own.take_while(|&piece| (piece as usize) < to.drifted)
         })
     }
 
-    /// Whether a chunk of a strip touches nothing but its own bodies and deferred ones.
+    /// Whether a chunk of a strip touches nothing but its own bodies, of so many.
     pub(crate) fn stays_within(
         &self,
         strip: usize,
         pairs: &PairList,
         chunk: usize,
-        seats: Seats<'_>,
+        (seats, bodies): (Seats<'_>, usize),
     ) -> bool {
-        let own = self.own(strip);
-        ends(pairs, chunk, seats).all(|piece| own.contains(&piece) || self.waits[piece])
+        let own = self.own(strip, bodies);
+        ends(pairs, chunk).all(|sphere| own.contains(&seats.body(sphere)))
     }
 }
 
-/// Pieces between the first and the last that a chunk may touch.
-fn touched(pairs: &PairList, chunk: usize, seats: Seats<'_>, pieces: usize) -> Range<usize> {
-    let first = seats.body(pairs.owner(chunk * CHUNK));
-    first / PIECE..(first + pairs.window).div_ceil(PIECE).min(pieces)
-}
-
-/// Pieces of the spheres of a chunk, padding included.
-pub(crate) fn ends(
-    pairs: &PairList,
-    chunk: usize,
-    seats: Seats<'_>,
-) -> impl Iterator<Item = usize> {
+/// Spheres of a chunk, padding included.
+pub(crate) fn ends(pairs: &PairList, chunk: usize) -> impl Iterator<Item = usize> {
     let own = chunk * CHUNK..((chunk + 1) * CHUNK).min(pairs.near_begin);
     let places = pairs.first[own.clone()].iter().chain(&pairs.second[own]);
-    places.map(move |&place| seats.body(place as usize) / PIECE)
-}
-
-fn holds(outer: &Range<usize>, inner: &Range<usize>) -> bool {
-    outer.start <= inner.start && inner.end <= outer.end
+    places.map(|&place| place as usize)
 }
 
 #[cfg(test)]
@@ -369,7 +330,7 @@ mod tests {
         let mut last = 0.0;
         for _ in 0..12 {
             strips.cut(&pairs, 20_000, 2, Seats::OWN);
-            let own = [0, 1].map(|k| strips.own(k).len() as f64);
+            let own = [0, 1].map(|k| strips.own(k, 20_000).len() as f64);
             let steps = [0, 1]
                 .map(|k| StripYield { seconds: own[k] / speed[k] * 1e-6, ..StripYield::default() });
             strips.note(&steps);
@@ -384,75 +345,76 @@ mod tests {
             strips.note(&[StripYield { seconds: 1e-6, ..stuck }, stuck]);
             strips.cut(&pairs, 20_000, 2, Seats::OWN);
         }
-        let own = [0, 1].map(|k| strips.own(k).len() as f64);
+        let own = [0, 1].map(|k| strips.own(k, 20_000).len() as f64);
         assert!((own[0] / own[1] - 4.0).abs() < 0.1, "{own:?}");
     }
 
     #[test]
-    fn what_only_neighbours_touch_is_handed_to_the_earlier_one() {
-        for (closed, count) in [(false, 2), (false, 5), (true, 3)] {
-            let (pairs, mut strips) = (chain(5000, 70, closed), Strips::default());
-            strips.cut(&pairs, 5000, count, Seats::OWN);
-            let touched = |chunk: usize| ends(&pairs, chunk, Seats::OWN);
-            for strip in 0..count - 1 {
-                // The end of a closed chain is touched by its first strip too, which lies far from it.
-                let handed = strips.handed(strip);
-                assert_eq!(handed.is_empty(), closed && strip + 2 == count, "{strip} of {count}");
-                assert!(handed.clone().all(|piece| strips.waits(piece)));
-                if handed.is_empty() {
-                    continue;
-                }
-                let next = strips.chunks[strip + 1] as usize..strips.chunks[strip + 2] as usize;
-                let touching = |chunk: &usize| touched(*chunk).any(|p| handed.contains(&p));
-                let last = next.clone().rfind(touching).unwrap();
-                assert!((next.start..last + 1) == strips.next_chunks(strip));
-                let others = (0..pairs.touching.div_ceil(CHUNK))
-                    .filter(|chunk| *chunk < strips.chunks[strip] as usize || next.end <= *chunk);
-                assert_eq!(others.filter(touching).count(), 0);
-                // It is handed over as soon as those are passed.
-                strips.begin();
-                strips.pass(strip + 1, last, false);
-                assert_eq!(strips.are_handed(strip), None);
-                strips.pass(strip + 1, last + 1, true);
-                assert_eq!(strips.are_handed(strip), Some(true));
-            }
-            assert!(strips.handed(count - 1).is_empty());
-            let mut yields = vec![StripYield::default(); count];
-            strips.see_what_is_left(&yields);
-            assert_eq!(strips.left, strips.deferred);
-            yields.iter_mut().for_each(|strip| strip.took_over = true);
-            strips.see_what_is_left(&yields);
-            let handed: usize = (0..count).map(|strip| strips.handed(strip).len()).sum();
-            assert_eq!(strips.left.len(), strips.deferred.len() - handed);
-            assert_eq!(strips.left.is_empty(), !closed);
-        }
-    }
-
-    #[test]
-    fn what_two_strips_touch_is_deferred_and_its_wrenches_are_kept() {
+    fn what_touches_a_later_strip_is_computed_ahead_and_its_wrenches_are_received() {
+        const BODIES: usize = 5000;
         for (closed, count) in [(false, 1), (false, 2), (false, 5), (true, 3)] {
-            let (pairs, mut strips) = (chain(5000, 70, closed), Strips::default());
-            strips.cut(&pairs, 5000, count, Seats::OWN);
+            let (pairs, mut strips) = (chain(BODIES as u32, 70, closed), Strips::default());
+            strips.cut(&pairs, BODIES, count, Seats::OWN);
             assert_eq!(strips.count(), count);
-            assert!(strips.pay(), "{} of 79", strips.deferred.len());
-            let mut touches = vec![Vec::new(); 5000];
+            assert!(strips.pay(), "{:?}", strips.ahead());
+            assert_eq!(strips.ahead().is_empty(), count == 1);
+            // What every body gets: from the strip that it is in and what that receives, every pair once, in the order of the list.
+            let mut gets = vec![Vec::new(); BODIES];
+            let mut expected = vec![Vec::new(); BODIES];
+            for pair in 0..pairs.touching {
+                for place in [pairs.first[pair], pairs.second[pair]] {
+                    expected[place as usize].push(pair);
+                }
+            }
             for strip in 0..count {
+                let own = strips.own(strip, BODIES);
+                for of in strips.received(strip) {
+                    assert!(own.contains(&(of.body as usize)), "{of:?} of {own:?}");
+                    let (kept, role) = ((of.wrench / 2) as usize, of.wrench % 2);
+                    let chunk = strips.ahead()[kept / CHUNK] as usize;
+                    assert!(chunk < strips.chunks[strip] as usize);
+                    assert_eq!(strips.kept(chunk), Some(kept / CHUNK));
+                    let pair = chunk * CHUNK + kept % CHUNK;
+                    assert_eq!([pairs.first[pair], pairs.second[pair]][role as usize], of.body);
+                    gets[of.body as usize].push(pair);
+                }
                 for chunk in strips.chunks[strip] as usize..strips.chunks[strip + 1] as usize {
-                    assert!(strips.stays_within(strip, &pairs, chunk, Seats::OWN));
+                    let within = strips.stays_within(strip, &pairs, chunk, (Seats::OWN, BODIES));
+                    assert!(within || strips.kept(chunk).is_some(), "{chunk}");
                     for pair in chunk * CHUNK..((chunk + 1) * CHUNK).min(pairs.touching) {
                         for place in [pairs.first[pair], pairs.second[pair]] {
-                            touches[place as usize].push((strip, chunk));
+                            assert!(place as usize >= own.start, "nobody reaches back");
+                            if own.contains(&(place as usize)) {
+                                gets[place as usize].push(pair);
+                            }
                         }
                     }
                 }
             }
-            for (place, touched) in touches.iter().enumerate() {
-                let piece = place / PIECE;
-                let own = strips.pieces.iter().rposition(|&p| p as usize <= piece).unwrap();
-                let alone = touched.iter().all(|&(strip, _)| strip == own);
-                assert!(alone || strips.waits(piece), "{place}");
-                assert!(!strips.waits(piece) || touched.iter().all(|&(_, c)| strips.keep(c)));
-            }
+            assert!(gets == expected, "{closed} {count}");
+        }
+    }
+
+    #[test]
+    fn of_what_lies_between_two_strips_both_threads_have_a_half() {
+        const BODIES: usize = 9000;
+        let (pairs, mut strips) = (chain(BODIES as u32, 700, false), Strips::default());
+        strips.cut(&pairs, BODIES, 3, Seats::OWN);
+        let (start, share) = (&strips.ahead_start, strips.ahead_share());
+        assert!(share.is_sorted() && share[0] == 0 && share[3] as usize == strips.ahead().len());
+        for strip in 0..2 {
+            let own = start[strip]..start[strip + 1];
+            assert!(
+                own.len() > 3 && share[strip + 1] == own.start + (own.end - own.start).div_ceil(2)
+            );
+            // Each asks for what the other has.
+            let end = strips.own(strip, BODIES).end;
+            let [theirs, ours] = [own.start, share[strip + 1]]
+                .map(|nth| strips.foreign(nth as usize).expect("a part begins there"));
+            assert!(theirs.start == end && (600..=700).contains(&theirs.len()), "{theirs:?}");
+            let chunk = strips.ahead()[share[strip + 1] as usize] as usize;
+            assert_eq!(ours, pairs.owner(chunk * CHUNK)..end);
+            assert!(strips.foreign(own.start as usize + 1).is_none());
         }
     }
 }

@@ -4,12 +4,12 @@
 //! come first), near pairs, walls. Touching pairs are summed in one of two ways, to the same bits: each
 //! contact adds to the ring as it is computed, or every contact keeps its wrench, and spheres find theirs.
 
-use crate::contact_stage::CHUNK;
 use crate::forces::Late;
 use crate::neighbour::verlet_list::PairList;
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::spheres::Seats;
+use crate::strips::Received;
 use crate::world::Wrenches;
 
 /// Spheres whose forces are summed at once.
@@ -36,16 +36,6 @@ pub(crate) struct KeptWrenches<'a> {
     pub(crate) pairs: &'a PairList,
     /// Forces, torques on the bodies of first and of second spheres.
     pub(crate) wrenches: [&'a [Record]; 3],
-    /// Where those of each chunk lie, in chunks, if not all are kept.
-    pub(crate) places: Option<&'a [u32]>,
-}
-
-impl KeptWrenches<'_> {
-    /// Where those of a pair lie.
-    #[inline(always)]
-    fn place(&self, pair: usize) -> usize {
-        self.places.map_or(pair, |places| places[pair / CHUNK] as usize * CHUNK + pair % CHUNK)
-    }
 }
 
 /// Where spheres find the wrenches that act on them.
@@ -164,6 +154,20 @@ impl Ring {
         }
     }
 
+    /// Add to bodies what they receive of wrenches that were kept (forces, torques on the bodies of first and of second spheres).
+    pub(crate) fn receive(&mut self, received: &[Received], wrenches: [&[Record]; 3]) {
+        let within = self.0.len() - 1;
+        let [forces, on_first, on_second] = wrenches;
+        let torques = [on_first, on_second];
+        for of in received {
+            let (pair, role) = ((of.wrench / 2) as usize, (of.wrench % 2) as usize);
+            let sum = &mut self.0[of.body as usize & within];
+            // The second sphere feels the opposite.
+            sum.force = sum.force.plus(&(forces[pair] * [1.0, -1.0][role]));
+            sum.torque = sum.torque.plus(&torques[role][pair]);
+        }
+    }
+
     /// The sums of the spheres of a piece that begins at `begin`.
     pub(crate) fn piece(&mut self, begin: usize, count: usize) -> &mut [Pull] {
         let place = begin % self.0.len();
@@ -269,10 +273,10 @@ impl Collect<'_> {
             // By tables, not by branches: which one is the first is a matter of chance.
             let torques = [on_first, on_second];
             let mut add = |pair: usize, sphere: u32, as_second: bool| {
-                let (role, place) = (usize::from(as_second), kept.place(pair));
+                let role = usize::from(as_second);
                 // The second sphere feels the opposite.
-                let force = forces[place] * [1.0, -1.0][role];
-                to.add(sphere, &force, &torques[role][place]);
+                let force = forces[pair] * [1.0, -1.0][role];
+                to.add(sphere, &force, &torques[role][pair]);
             };
             let later = p.later_start[begin] as usize..p.later_start[end] as usize;
             for &[pair, sphere] in &p.by_later[later] {

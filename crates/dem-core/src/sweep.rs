@@ -238,11 +238,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let of_chunks = starts(tiers, |tier| tier.gone.chunk, chunks);
         let columns = cut_bodies(bed.bodies, PIECE);
         let (spheres, spins) = (SphereView::of_columns(&columns, None), columns.0[SPIN].view());
-        let mut none: [[Record; 0]; 3] = [[]; 3];
         let mut to_do = (
             cut(&mut bed.of_pairs.0[..begin], CHUNK),
             cut(&mut bed.of_pairs.1[..begin * slots], CHUNK * slots),
-            none.each_mut().map(|none| cut(&mut none[..], CHUNK)),
             cut(&mut s.pair_yield, 1),
         );
         let mut pieces = (columns, cut(&mut s.moved.square, 1), no_clumps());
@@ -268,8 +266,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
             debug_assert!(
                 (tier.gone.chunk..until)
-                    .flat_map(|c| ends(pairs, c, Seats::OWN))
-                    .all(|p| bodies.left().contains(&p)),
+                    .flat_map(|c| ends(pairs, c))
+                    .all(|sphere| bodies.left().contains(&(sphere / PIECE))),
                 "others' bodies are read"
             );
             // Later tiers find in the cache what the first has left there.
@@ -330,7 +328,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             kick: &kick,
             drift: &drift,
             turns: &self.turns(&[], &[]),
-            kept: None,
+            kept: [&[]; 3],
             warm: far.is_some(),
             far: far.map(|spins| [Some(drift.reference.into()), moments_of(make, spins)]),
         };

@@ -209,6 +209,8 @@ pub(crate) struct Scratch {
     pub(crate) wall_yield: Vec<ChunkYield>,
     /// Which of those of near pairs and of walls hold near pairs in action or an overlap that is too deep.
     pub(crate) near_told: Vec<bool>,
+    /// Of chunks of touching pairs in the order in which they were computed.
+    pub(crate) pair_told: Vec<bool>,
     pub(crate) wall_told: Vec<bool>,
     pub(crate) body_yield: Vec<BodyYield>,
     /// Most places from the owner of the first near pair of a chunk to any sphere in it, in a far bed.
@@ -223,7 +225,7 @@ pub(crate) struct Scratch {
     pub(crate) kept: Kept,
     /// How one pass is shared out.
     pub(crate) strips: Strips,
-    /// How its walls and near pairs are shared out.
+    /// How walls, near pairs and what is computed ahead are shared out.
     pub(crate) shares: Shares,
     /// The list in one strip, in a far bed.
     pub(crate) whole: Strips,
@@ -243,10 +245,8 @@ pub(crate) struct StripYield {
     pub(crate) moved_far: bool,
     /// Two overlap too deeply.
     pub(crate) deep: bool,
-    /// Pieces that have moved on: those before it, unless they are deferred.
+    /// Pieces that have moved on: those before it.
     pub(crate) drifted: usize,
-    /// Whether it has finished those deferred ones that the next strip handed to it.
-    pub(crate) took_over: bool,
     /// What it has taken, s.
     pub(crate) seconds: f64,
 }

@@ -1,4 +1,5 @@
-//! How walls and near pairs are shared out: to each thread those of the bodies that it moves in its strip.
+//! How walls and near pairs are shared out: to each thread those of the bodies that it moves in its strip; and what is computed ahead:
+//! to two neighbours a half each.
 //!
 //! What a thread has moved lies in its own cache, and what another has moved has to come from there, which takes as long as from memory
 //! where cores are far from each other. Near pairs keep their chunks. The entries of walls go in runs as long as may be, since
@@ -24,6 +25,8 @@ pub(crate) struct Shares {
     pub(crate) walls: Vec<u32>,
     /// First chunk of near pairs of each, likewise.
     pub(crate) near: Vec<u32>,
+    /// First chunk of touching pairs that are computed ahead of each, likewise.
+    pub(crate) ahead: Vec<u32>,
 }
 
 impl Shares {
@@ -43,6 +46,7 @@ impl Shares {
             self.entries.clear();
             self.walls.clear();
             self.near.clear();
+            self.ahead.clear();
             self.add(0..walls.len(), CHUNK);
         }
     }
@@ -60,7 +64,7 @@ impl Shares {
         let near = pairs.near();
         let chunks = near.len().div_ceil(CHUNK);
         let place = |piece: u32| seats.first((piece as usize * PIECE).min(bodies));
-        for of in strips.finished.windows(2) {
+        for of in strips.pieces.windows(2) {
             let (begin, end) = (place(of[0]), place(of[1]));
             self.walls.push(self.runs() as u32);
             self.add(walls.start[begin] as usize..walls.start[end] as usize, LONGEST);
@@ -69,6 +73,8 @@ impl Shares {
         }
         self.walls.push(self.runs() as u32);
         self.near.push(chunks as u32);
+        self.ahead.clear();
+        self.ahead.extend_from_slice(strips.ahead_share());
     }
 
     /// Cut more entries into even runs.
@@ -122,7 +128,7 @@ mod tests {
                 assert!(of[0] == 0 && of[threads] as usize == all, "{of:?} of {all}");
             }
             for k in 0..threads {
-                let own = [k, k + 1].map(|k| strips.finished[k] as usize * PIECE);
+                let own = [k, k + 1].map(|k| strips.pieces[k] as usize * PIECE);
                 let begin = |of: &[u32]| [of[k] as usize, of[k + 1] as usize];
                 let entries = begin(&shares.walls).map(|run| shares.entries[run] as usize);
                 let spheres = &walls.sphere[entries[0]..entries[1]];

@@ -64,14 +64,6 @@ impl<'a, T> View<'a, T> {
         self.length
     }
 
-    /// Elements that nobody writes while they are looked at.
-    #[inline(always)]
-    pub(crate) fn run(&self, places: Range<usize>) -> &'a [T] {
-        assert!(places.start <= places.end && places.end <= self.length, "{places:?}");
-        // SAFETY: within the slice, and nobody else writes what is read.
-        unsafe { std::slice::from_raw_parts(self.begin.add(places.start), places.len()) }
-    }
-
     #[inline(always)]
     pub(crate) fn as_ptr(&self) -> *const T {
         self.begin
@@ -338,12 +330,13 @@ impl<C: CutJoined> InTurn<'_, C> {
 /// Some chunks of the whole.
 pub(crate) struct Chosen<'s, C> {
     of: C,
-    which: &'s [u32],
+    which: Option<&'s [u32]>,
 }
 
-/// Only those of these numbers, each of which is told once.
-pub(crate) fn chosen<C: Cut>(of: C, which: &[u32]) -> Chosen<'_, C> {
-    assert!(which.is_sorted_by(|a, b| a < b), "a chunk is chosen twice");
+/// Only those of these numbers, each of which is told once, if there are such: else all.
+pub(crate) fn chosen<C: Cut>(of: C, which: Option<&[u32]>) -> Chosen<'_, C> {
+    let once = which.is_none_or(|which| which.is_sorted_by(|a, b| a < b));
+    assert!(once, "a chunk is chosen twice");
     Chosen { of, which }
 }
 
@@ -352,48 +345,9 @@ impl<C: Cut> Cut for Chosen<'_, C> {
 
     #[inline(always)]
     unsafe fn part(&self, k: usize) -> C::Part {
+        let k = self.which.map_or(k, |which| which[k] as usize);
         // SAFETY: no number is told twice.
-        unsafe { self.of.part(self.which[k] as usize) }
-    }
-}
-
-/// Chunks of which only some have a part, which lie side by side.
-pub(crate) struct Packed<'s, C> {
-    of: C,
-    places: &'s [u32],
-}
-
-/// The place of a chunk that has no part.
-pub(crate) const NO_PLACE: u32 = u32::MAX;
-
-/// Chunk `k` has the part `places[k]`, an empty one at [`NO_PLACE`]; those that have one lie in the order of the chunks.
-pub(crate) fn packed<C: Cut>(of: C, places: &[u32]) -> Packed<'_, C> {
-    let own = places.iter().filter(|place| **place != NO_PLACE);
-    assert!(own.is_sorted_by(|a, b| a < b), "two chunks have one part");
-    Packed { of, places }
-}
-
-impl<C: Cut> Cut for Packed<'_, C> {
-    type Part = C::Part;
-
-    #[inline(always)]
-    unsafe fn part(&self, k: usize) -> C::Part {
-        // Beyond the end parts are empty.
-        let place = self.places.get(k).copied().unwrap_or(NO_PLACE);
-        // SAFETY: no part belongs to two chunks, and empty ones are nobody's.
-        unsafe { self.of.part(place as usize) }
-    }
-}
-
-impl<C: Cut> CutJoined for Packed<'_, C> {
-    /// One chunk, or several without a part.
-    #[inline(always)]
-    unsafe fn joined(&self, own: Range<usize>) -> C::Part {
-        let parts = self.places.get(own.clone()).unwrap_or_default();
-        let none = parts.iter().all(|place| *place == NO_PLACE);
-        assert!(own.len() == 1 || none, "parts do not lie side by side");
-        // SAFETY: by the caller.
-        unsafe { self.part(own.start) }
+        unsafe { self.of.part(k) }
     }
 }
 
@@ -425,17 +379,12 @@ mod tests {
         assert_eq!(sums, [60; 3]);
         let expected = |k: u64| if [1, 5].contains(&(k / 10)) { k } else { k + 1000 };
         assert!((0..70).zip(&numbers).all(|(k, x)| *x == expected(k)));
-        let places = [NO_PLACE, 0, NO_PLACE, 2];
-        team.each(5, packed(cut(&mut numbers, 10), &places), |k, part| {
-            assert_eq!(part.len(), if [1, 3].contains(&k) { 10 } else { 0 });
-            part.fill(k as u64);
-        });
-        let begins = [0, 10, 20].map(|k| numbers[k]);
-        assert_eq!(begins, [1, 10, 3]);
         let which = [1, 5];
-        let part = chosen(cut(&mut numbers, 10), &which);
+        let part = chosen(cut(&mut numbers, 10), Some(&which));
         team.each(2, part, |_, chunk| chunk.fill(7));
         assert_eq!(numbers.iter().filter(|x| **x == 7).count(), 20);
+        team.each(7, chosen(cut(&mut numbers, 10), None), |k, chunk| chunk.fill(k as u64));
+        assert!((0..70).zip(&numbers).all(|(k, x)| *x == k / 10));
     }
 
     #[test]
@@ -462,26 +411,22 @@ mod tests {
 
     #[test]
     fn chunks_that_follow_each_other_are_handed_out_as_one() {
-        let (mut numbers, mut marks, mut kept) = ([0; 68], [[0; 7], [0; 7]], [0; 20]);
-        let (places, starts) = ([NO_PLACE, NO_PLACE, 0, 1, NO_PLACE, NO_PLACE, NO_PLACE], [0, 7]);
-        let mut chunks = (
-            cut(&mut numbers, 10),
-            marks.each_mut().map(|of| cut(of, 1)),
-            packed(cut(&mut kept, 10), &places),
-        );
+        let (mut numbers, mut marks) = ([0; 68], [[0; 7], [0; 7]]);
+        let starts = [0, 7];
+        let mut chunks = (cut(&mut numbers, 10), marks.each_mut().map(|of| cut(of, 1)));
         // SAFETY: one run, taken once.
         let mut run = unsafe { Runs::new(&mut chunks, &starts).part(0) };
         let mut lengths = Vec::new();
         for own in [0..2, 2..3, 3..4, 4..7] {
             let part = run.take_joined(own.clone()).expect("they are left");
-            let (numbers, [a, b], kept): (&mut [usize], [&mut [usize]; 2], &mut [usize]) = part;
+            let (numbers, [a, b]): (&mut [usize], [&mut [usize]; 2]) = part;
             numbers.fill(own.start);
             a.fill(own.start);
-            lengths.push([numbers.len(), a.len(), b.len(), kept.len()]);
+            lengths.push([numbers.len(), a.len(), b.len()]);
             assert!(run.take_joined(own).is_none(), "handed out twice");
         }
         assert!(run.take_joined(7..8).is_none() && run.left().is_empty());
-        let expected = [[20, 2, 2, 0], [10, 1, 1, 10], [10, 1, 1, 10], [28, 3, 3, 0]];
+        let expected = [[20, 2, 2], [10, 1, 1], [10, 1, 1], [28, 3, 3]];
         assert_eq!(lengths, expected);
         assert_eq!(marks[0], [0, 0, 2, 3, 4, 4, 4]);
         assert!(numbers.iter().enumerate().all(|(k, x)| *x == marks[0][k / 10]));

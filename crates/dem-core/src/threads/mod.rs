@@ -17,8 +17,8 @@ use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
 pub(crate) use cut::{
-    Chunks, Cut, CutJoined, Groups, InTurn, NO_PARTS, NO_PLACE, PART, Runs, View, cells, chosen,
-    cut, cut_groups, cut_groups_of, packed, part,
+    Chunks, Cut, CutJoined, Groups, InTurn, NO_PARTS, PART, Runs, View, cells, chosen, cut,
+    cut_groups, cut_groups_of, part,
 };
 
 /// How long a thread looks for the next stage before it sleeps: longer than what one thread does alone while a list of some thousand bodies
