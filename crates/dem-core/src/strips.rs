@@ -111,9 +111,10 @@ impl Strips {
         self.chunks.len().saturating_sub(1)
     }
 
-    /// Whether few enough chunks are computed ahead that they gain anything.
+    /// Whether few enough chunks are computed ahead that they gain anything: where all pairs of the first of two strips reach into the
+    /// second, as between spheres on several grids, they are half of all.
     pub(crate) fn pay(&self) -> bool {
-        2 * self.ahead.len() <= self.kept.len()
+        3 * self.ahead.len() <= self.kept.len()
     }
 
     /// Which of the chunks that are computed ahead is the first for each thread, and their end: of those that lie between two strips
@@ -160,6 +161,7 @@ impl Strips {
         if let Some(each) = (self.ahead.len() * CHUNK).checked_div(strips - 1) {
             self.cut_by_shares(pairs, bodies, strips, each, seats);
         }
+        self.see_what_is_received(pairs, bodies, seats);
     }
 
     /// Cut it so that every strip has its share of the work, if so many pairs of every strip but the last are none.
@@ -237,13 +239,15 @@ impl Strips {
         if let Some(end) = self.ahead_share.last_mut() {
             *end = self.ahead.len() as u32;
         }
-        self.see_what_is_received(pairs, bodies, seats);
     }
 
-    /// See what bodies of strips receive from chunks of earlier ones.
+    /// See what bodies of strips receive from chunks of earlier ones, if they pay.
     fn see_what_is_received(&mut self, pairs: &PairList, bodies: usize, seats: Seats<'_>) {
         self.received.clear();
         self.received_start.clear();
+        if !self.pay() {
+            return;
+        }
         // The next list has about as many, and a step asks for no memory.
         let most = 2 * self.ahead.len() * CHUNK;
         if self.received.capacity() < most {
@@ -392,6 +396,22 @@ mod tests {
                 }
             }
             assert!(gets == expected, "{closed} {count}");
+        }
+    }
+
+    #[test]
+    fn strips_whose_pairs_all_reach_into_the_next_one_do_not_pay() {
+        for (reach, pays) in [(70, true), (500, true), (4000, false)] {
+            let (pairs, mut strips) = (chain(8000, reach, false), Strips::default());
+            strips.cut(&pairs, 8000, 2, Seats::OWN);
+            assert_eq!(
+                strips.pay(),
+                pays,
+                "{reach}: {} of {}",
+                strips.ahead().len(),
+                strips.kept.len()
+            );
+            assert_eq!(strips.received.is_empty(), !pays);
         }
     }
 
