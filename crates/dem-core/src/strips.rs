@@ -196,14 +196,12 @@ impl Strips {
 
     /// See which chunks are computed ahead, by whom, and who receives what from them.
     fn look_ahead(&mut self, pairs: &PairList, bodies: usize, chunks: usize, seats: Seats<'_>) {
-        self.kept.clear();
+        begin_anew(&mut self.kept, chunks);
+        begin_anew(&mut self.ahead, chunks);
+        begin_anew(&mut self.foreign, 2 * self.chunks.len());
+        begin_anew(&mut self.ahead_start, self.chunks.len());
+        begin_anew(&mut self.ahead_share, self.chunks.len());
         self.kept.resize(chunks, NO_PLACE);
-        for starts in [&mut self.ahead, &mut self.ahead_start, &mut self.ahead_share] {
-            starts.clear();
-        }
-        self.foreign.clear();
-        // Room for all, since where strips are cut is a matter of time: a step asks for no memory.
-        self.ahead.reserve(chunks);
         self.ahead_share.push(0);
         for strip in 0..self.count() {
             let begin = self.ahead.len();
@@ -243,15 +241,12 @@ impl Strips {
 
     /// See what bodies of strips receive from chunks of earlier ones, if they pay.
     fn see_what_is_received(&mut self, pairs: &PairList, bodies: usize, seats: Seats<'_>) {
-        self.received.clear();
-        self.received_start.clear();
+        // As many as there can be where strips pay.
+        let most = if self.count() > 1 { self.kept.len() * CHUNK } else { 0 };
+        begin_anew(&mut self.received, most);
+        begin_anew(&mut self.received_start, self.chunks.len());
         if !self.pay() {
             return;
-        }
-        // The next list has about as many, and a step asks for no memory.
-        let most = 2 * self.ahead.len() * CHUNK;
-        if self.received.capacity() < most {
-            self.received.reserve(2 * most);
         }
         for strip in 0..self.count() {
             self.received_start.push(self.received.len() as u32);
@@ -298,6 +293,14 @@ impl Strips {
     ) -> bool {
         let own = self.own(strip, bodies);
         ends(pairs, chunk).all(|sphere| own.contains(&seats.body(sphere)))
+    }
+}
+
+/// Empty it, with room for so many and some more: where strips are cut is a matter of time, and a step asks for no memory.
+fn begin_anew<T>(of: &mut Vec<T>, most: usize) {
+    of.clear();
+    if of.capacity() < most {
+        of.reserve(most + most / 4);
     }
 }
 
