@@ -97,16 +97,19 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Velocities and accelerations that were not kept when spheres moved on, to rounding: the mean velocity of the step to
-    /// come lies half-way between the velocity at its beginning and that foretold for its end. Of how they turn nothing else was
-    /// kept than the mean of that step: it stands for the angular velocity at its beginning, without an angular acceleration, so
+    /// Velocities and accelerations that were not kept when bodies moved on, to rounding: the mean velocity of the step to
+    /// come lies half-way between the velocity at its beginning and that foretold for its end. Clumps turn as their momenta tell; of how
+    /// spheres turn nothing else was kept than the mean of that step: it stands for the angular velocity at its beginning, without an angular acceleration, so
     /// that who begins the step anew turns as far.
-    pub(crate) fn recall(&mut self, dt: f64) {
+    pub(crate) fn recall(&mut self, dt: f64, clumps: bool) {
         let run = self.even();
         for k in 0..run.position.len() {
             let (mean, end) = (run.velocities[k][MEAN].vector(), run.velocities[k][END].vector());
             run.velocity[k].set(2.0 * mean - end);
             run.acceleration[k].set((end - mean) * (2.0 / dt));
+            if clumps {
+                continue;
+            }
             run.spin[k].set(run.mean_spin[k].vector());
             run.angular[k].set(glam::DVec3::ZERO);
         }

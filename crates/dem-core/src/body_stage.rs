@@ -79,15 +79,15 @@ impl<M, I: Integrator> RecordWork for Piece<'_, M, I> {
     fn run<Q: Quad, W: Quads>(mut self) -> (Flow, Farthest) {
         let mut flow = Flow::default();
         if let (true, Some(kick), Some(drift)) = (I::FROM_MEAN, self.kick, self.drift)
-            && kick.moves_spheres_on()
+            && kick.moves_on()
         {
-            let farthest = kick.and_drift::<Q, W, I>(
-                drift,
-                &self.integrator,
-                &mut self.run,
-                self.sums,
-                &mut flow,
-            );
+            let (integrator, run, sums) = (&self.integrator, &mut self.run, self.sums);
+            if kick.make.only_clumps {
+                kick.clumps_and_drift::<Q, I>(integrator, run, self.spheres, sums, &mut flow);
+                // How far they have moved is told when they have turned.
+                return (flow, Farthest::default());
+            }
+            let farthest = kick.and_drift::<Q, W, I>(drift, integrator, run, sums, &mut flow);
             return (flow, farthest);
         }
         if let Some(kick) = self.kick {
@@ -173,11 +173,11 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 impl<M: ContactLaw, I: Integrator> World<M, I> {
     /// Velocities and accelerations of the last step, where they were not kept, to rounding.
     pub(crate) fn recall(&mut self) {
-        if I::FROM_MEAN && self.make.shapes.is_empty() {
-            let dt = self.make.dt;
+        if I::FROM_MEAN && self.make.moves_on_without_velocities() {
+            let (dt, clumps) = (self.make.dt, self.make.only_clumps);
             let count = self.state.bodies.id.len().div_ceil(CHUNK);
             let columns = cut_bodies(&mut self.state.bodies, CHUNK);
-            self.team.each(count, columns, |_, columns| Run::of(0, columns).recall(dt));
+            self.team.each(count, columns, |_, columns| Run::of(0, columns).recall(dt, clumps));
         }
     }
 }
@@ -250,9 +250,66 @@ impl<M> Kick<'_, M> {
 }
 
 impl<M> Kick<'_, M> {
-    /// Whether nobody reads velocities and accelerations between steps: where all bodies are spheres and no energies are booked.
-    fn moves_spheres_on(&self) -> bool {
-        self.make.shapes.is_empty() && !self.ledger && self.dt > 0.0
+    /// Whether nobody reads velocities and accelerations between steps: where all bodies are spheres, or all are clumps, and no energies
+    /// are booked.
+    fn moves_on(&self) -> bool {
+        self.make.moves_on_without_velocities() && !self.ledger && self.dt > 0.0
+    }
+
+    /// What the medium does to bodies.
+    #[inline(always)]
+    fn add_drag(&self, run: &Run<'_>, sums: &mut [Pull], flow: &mut Flow) {
+        let Some(drag) = &self.make.drag else { return };
+        for (k, sum) in sums.iter_mut().enumerate().take(run.position.len()) {
+            let v = run.velocities[k][END].vector();
+            let resistance = drag.force(run.velocities[k][MEAN].w, run.position[k].w, v);
+            sum.force.add(resistance);
+            flow.drag -= resistance.dot(v);
+        }
+    }
+
+    /// [`Kick::and_drift`] for clumps, whose torques and angular momenta are brought up for the turn to come: of their columns
+    /// velocities, accelerations and angular velocities are left alone.
+    #[inline(always)]
+    fn clumps_and_drift<Q: Quad, I: Integrator>(
+        &self,
+        integrator: &I,
+        run: &mut Run<'_>,
+        spheres: &[Record],
+        sums: &mut [Pull],
+        flow: &mut Flow,
+    ) {
+        let (begin, end) = (run.begin, run.begin + run.position.len());
+        let of = Seated { seats: self.seats, centres: run.position, spheres };
+        self.collect.bodies(begin, end, of, sums);
+        self.add_drag(run, sums, flow);
+        let (dt, none) = (self.dt, Q::load(&Record::ZERO));
+        let gravity = Q::load(&Record::new(self.gravity, 0.0));
+        let run = run.even();
+        // Neighbours are mostly of one mass: they need no division.
+        let (mut mass, mut by_mass) = (1.0, 1.0);
+        for (k, sum) in sums.iter_mut().enumerate().take(end - begin) {
+            // Zero again for whose turn comes next.
+            let Pull { force, torque } = std::mem::take(sum);
+            let own = run.velocities[k][MEAN].w;
+            if own.to_bits() != f64::to_bits(mass) {
+                (mass, by_mass) = (own, 1.0 / own);
+            }
+            let a = gravity.plus_times(Q::load(&force), by_mass);
+            let mean = Q::load(&run.velocities[k][MEAN]);
+            let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
+            let d = integrator.drift(v, a, &mut { none }, dt);
+            let position = Q::load(&run.position[k]);
+            let position = position.plus_times(d.mean_velocity, dt).with_scalar_of(position);
+            position.store(&mut run.position[k]);
+            d.mean_velocity.with_scalar_of(mean).store(&mut run.velocities[k][MEAN]);
+            let old = Q::load(&run.velocities[k][END]);
+            d.end_velocity.with_scalar_of(old).store(&mut run.velocities[k][END]);
+            let torque = Q::load(&torque);
+            torque.store(&mut run.angular[k]);
+            let momentum = Q::load(&run.turn[k]);
+            (momentum + torque * (0.5 * dt)).store(&mut run.turn[k]);
+        }
     }
 
     /// [`Kick::bodies`] and [`Drift::bodies`] at once for schemes that need nothing of the first half but mean velocities:
@@ -269,14 +326,7 @@ impl<M> Kick<'_, M> {
     ) -> Farthest {
         let (begin, count) = (run.begin, run.position.len());
         self.collect.spheres(begin, begin + count, sums);
-        if let Some(drag) = &self.make.drag {
-            for (k, sum) in sums.iter_mut().enumerate().take(count) {
-                let v = run.velocities[k][END].vector();
-                let resistance = drag.force(run.velocities[k][MEAN].w, run.position[k].w, v);
-                sum.force.add(resistance);
-                flow.drag -= resistance.dot(v);
-            }
-        }
+        self.add_drag(run, sums, flow);
         let mut farthest = Farthest::default();
         let whole = count - count % W::COUNT;
         let (far, of) = (&mut farthest, (drift, integrator));

@@ -357,6 +357,8 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
             (Some([_, mass]), Some(moment)) => Some([mass, moment]),
             _ => None,
         };
+        // Spheres by themselves have a moment of inertia.
+        let only_clumps = !self.shapes.is_empty() && state.bodies.spin.iter().all(|s| s.w == 0.0);
         let mut state = state;
         if !I::REMEMBERS {
             state.bodies.linear_memory = Column::default();
@@ -393,6 +395,7 @@ impl<M: ContactLaw + 'static> WorldBuilder<M> {
                 one_material: one_material.map(|m| m as usize),
                 one_size,
                 one_inertia,
+                only_clumps,
                 arithmetic: match (self.kernels, level) {
                     (Kernels::FastRoots, Level::Avx512) => Arithmetic::FastRoots,
                     (Kernels::Fused | Kernels::FastRoots, Level::Avx2 | Level::Avx512) => {

@@ -236,8 +236,9 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 run.undo_drift(dt);
                 if clumps {
                     turns.undo(&mut run, attitude);
-                } else if I::FROM_MEAN {
-                    run.recall(dt);
+                }
+                if I::FROM_MEAN && make.moves_on_without_velocities() {
+                    run.recall(dt, clumps);
                 }
             });
             self.state.forces_stale = true;

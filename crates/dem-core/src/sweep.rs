@@ -151,7 +151,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             if I::FROM_MEAN {
                 let drifted = tiers[stopped].gone.into.drifted;
                 let columns = cut_bodies(&mut bodies, PIECE);
-                self.team.each(drifted, columns, |_, columns| Run::of(0, columns).recall(dt));
+                self.team
+                    .each(drifted, columns, |_, columns| Run::of(0, columns).recall(dt, false));
             }
             // What went ahead has left sums behind.
             tiers[..stopped].iter_mut().for_each(|tier| tier.ring = Ring::default());

@@ -136,6 +136,8 @@ pub(crate) struct Make<M> {
     pub(crate) one_size: Option<[f64; 2]>,
     /// Mass and moment of inertia of all particles, likewise.
     pub(crate) one_inertia: Option<[f64; 2]>,
+    /// Whether all particles are clumps.
+    pub(crate) only_clumps: bool,
     /// How the vector kernels compute.
     pub(crate) arithmetic: crate::simd::Arithmetic,
     pub(crate) overlap_limit: f64,
@@ -145,6 +147,14 @@ pub(crate) struct Make<M> {
     pub(crate) large: usize,
     /// Wall whose turn displacements may be measured against.
     pub(crate) turning_wall: Option<usize>,
+}
+
+impl<M> Make<M> {
+    /// Whether steps that follow each other neither read nor write velocities and accelerations: where all bodies are alike in that
+    /// they turn as spheres do, or as clumps.
+    pub(crate) fn moves_on_without_velocities(&self) -> bool {
+        self.shapes.is_empty() || self.only_clumps
+    }
 }
 
 /// Forces and torques of the last evaluation, in which spheres, walls and observers find theirs.

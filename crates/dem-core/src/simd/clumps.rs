@@ -160,48 +160,75 @@ impl Turning<'_> {
     /// Turn eight; those that are there twice come to the same.
     #[inline(always)]
     fn eight<V: Lanes>(&mut self, group: &[usize; 8]) {
-        let inverse = columns::<V>(
-            #[inline(always)]
-            |lane| {
-                let shape = self.shape[group[lane]] as usize;
-                Record::new(self.shapes[shape].moments.recip(), self.shapes[shape].reach)
-            },
-        );
-        let reach = inverse[3];
-        let attitude = attitudes::<V>(self.attitude, group);
-        let momentum = picked::<V>(self.momentum, group);
-        let torque = picked::<V>(self.torque, group);
-        let (inverse, l) = (V3::of(inverse), V3::of(momentum));
-        let of = turned(inverse, attitude, l, V3::of(torque), self.dt);
-        let mut records = [Record::ZERO; 8];
-        V::scatter(of.attitude, &mut records);
-        for (&k, r) in group.iter().zip(&records) {
-            self.attitude[k] = DQuat::from_xyzw(r.x, r.y, r.z, r.w);
-        }
-        for (to, v) in [
-            (&mut *self.momentum, of.momentum),
-            (&mut *self.mean_spin, of.mean_spin),
-            (&mut *self.end_spin, of.end_spin),
-        ] {
-            V::scatter([v.x, v.y, v.z, V::splat(0.0)], &mut records);
-            for (&k, r) in group.iter().zip(&records) {
-                to[k] = Record { w: to[k].w, ..*r };
-            }
-        }
         let s = &self.since;
+        let columns = [&*self.torque, &*self.mean_spin, &*self.end_spin, &*self.momentum];
+        let (columns, bodies) = (columns.map(<[Record]>::len), self.shape.len());
+        let since = [s.position.len(), s.reference.len(), s.attitude.len(), self.attitude.len()];
+        assert!(columns.iter().chain(&since).all(|len| *len >= bodies));
+        assert!(group.iter().all(|k| *k < bodies));
+        let mut at = [0; 8];
+        for (at, k) in at.iter_mut().zip(group) {
+            *at = 4 * *k as u32;
+        }
+        let (inverse, reach) = self.inverse_and_reach::<V>(group);
+        // SAFETY of these and of what is put there: all columns have the bodies of the group.
+        let [attitude, momentum, torque, mean] = unsafe {
+            [
+                attitudes::<V>(self.attitude, &at),
+                records(self.momentum, &at),
+                records(self.torque, &at),
+                records(self.mean_spin, &at),
+            ]
+        };
+        let of = turned(inverse, attitude, V3::of(momentum), V3::of(torque), self.dt);
+        let [from, to, then] = unsafe {
+            [records::<V>(s.reference, &at), records(s.position, &at), attitudes(s.attitude, &at)]
+        };
+        let (l, spin, end) = (of.momentum, of.mean_spin, of.end_spin);
+        unsafe {
+            V::put_quads(of.attitude, self.attitude.as_mut_ptr().cast(), &at);
+            let to = self.momentum.as_mut_ptr().cast();
+            V::put_quads([l.x, l.y, l.z, momentum[3]], to, &at);
+            let to = self.mean_spin.as_mut_ptr().cast();
+            V::put_quads([spin.x, spin.y, spin.z, mean[3]], to, &at);
+            let to = self.end_spin.as_mut_ptr().cast();
+            V::put_quads([end.x, end.y, end.z, V::splat(0.0)], to, &at);
+        }
         let [x, y, z, shift] = s.frame;
         let frame = [alike::<V>(x), alike(y), alike(z), alike(shift)];
-        let (from, to) = (picked::<V>(s.reference, group), picked::<V>(s.position, group));
         let centres = [V3::of(from), V3::of(to)];
-        let attitudes = [attitudes::<V>(s.attitude, group), of.attitude];
         let [a, b, c, w] = s.turn.to_array();
         let turn = [V::splat(a), V::splat(b), V::splat(c), V::splat(w)];
-        let moved = moved_since(frame, turn, centres, attitudes, reach);
-        let mut squares = [0.0; 8];
-        (moved * moved).store(&mut squares);
-        for (square, &k) in squares.into_iter().zip(group) {
-            self.farthest.note(square, s.reference[k].w);
+        let moved = moved_since(frame, turn, centres, [then, of.attitude], reach);
+        let (square, limits) = (moved * moved, from[3]);
+        // Also if it is no number.
+        let beyond = limits.less(square) | !square.less(V::splat(f64::INFINITY));
+        self.farthest.too_far |= beyond != 0;
+        if V::splat(self.farthest.square).less(square) != 0 {
+            let mut squares = [0.0; 8];
+            square.store(&mut squares);
+            for (square, &k) in squares.into_iter().zip(group) {
+                self.farthest.note(square, s.reference[k].w);
+            }
         }
+    }
+
+    /// One over the principal moments of eight bodies, and how far their spheres reach.
+    #[inline(always)]
+    fn inverse_and_reach<V: Lanes>(&self, group: &[usize; 8]) -> (V3<V>, V) {
+        let shape = self.shape[group[0]];
+        if group.iter().all(|k| self.shape[*k] == shape) {
+            let of = &self.shapes[shape as usize];
+            let inverse = Record::new(of.moments.recip(), of.reach);
+            return (alike(&inverse), V::splat(inverse.w));
+        }
+        let each = group.map(|k| {
+            let of = &self.shapes[self.shape[k] as usize];
+            Record::new(of.moments.recip(), of.reach)
+        });
+        // SAFETY: there are eight.
+        let [x, y, z, reach] = unsafe { V::gather(each[..].into(), &[0, 1, 2, 3, 4, 5, 6, 7]) };
+        (V3 { x, y, z }, reach)
     }
 }
 
@@ -271,9 +298,15 @@ impl Placing<'_> {
     /// Place the spheres of eight bodies of one shape.
     #[inline(always)]
     fn eight<V: Lanes>(&mut self, k: usize, shape: u32) {
-        let group: [usize; 8] = std::array::from_fn(|lane| k + lane);
-        let axes = axes_of(attitudes::<V>(self.attitude, &group));
-        let centre = V3::of(picked::<V>(self.centre, &group));
+        assert!(k + 8 <= self.attitude.len() && k + 8 <= self.centre.len());
+        let mut own = [0; 8];
+        for (lane, at) in own.iter_mut().enumerate() {
+            *at = 4 * (k + lane) as u32;
+        }
+        // SAFETY: as was just asked.
+        let (attitude, centre) =
+            unsafe { (attitudes::<V>(self.attitude, &own), records::<V>(self.centre, &own)) };
+        let (axes, centre) = (axes_of(attitude), V3::of(centre));
         let spheres = &self.shapes[shape as usize].spheres;
         let (begin, step) = (self.begin(k), spheres.len());
         let end = begin + 8 * step;
@@ -290,37 +323,39 @@ impl Placing<'_> {
     }
 }
 
-/// Fields of eight records.
-#[inline(always)]
-fn columns<V: Lanes>(of: impl Fn(usize) -> Record) -> [V; 4] {
-    let records: [Record; 8] = [of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)];
-    // SAFETY: there are eight.
-    unsafe { V::gather(records[..].into(), &[0, 1, 2, 3, 4, 5, 6, 7]) }
-}
-
 /// The vector of a record in all lanes.
 #[inline(always)]
 fn alike<V: Lanes>(record: &Record) -> V3<V> {
     V3 { x: V::splat(record.x), y: V::splat(record.y), z: V::splat(record.z) }
 }
 
+/// Fields of eight records, which begin at these numbers.
+///
+/// # Safety
+/// All of them can be read.
 #[inline(always)]
-fn picked<V: Lanes>(records: &[Record], group: &[usize; 8]) -> [V; 4] {
-    columns(
-        #[inline(always)]
-        |lane| records[group[lane]],
-    )
+unsafe fn records<V: Lanes>(from: &[Record], at: &[u32; 8]) -> [V; 4] {
+    // SAFETY: by the caller; a record is four numbers.
+    unsafe { V::quads::<1>(from.as_ptr().cast(), at) }
 }
 
+/// A quaternion is four numbers, the vector first.
+const _: () = assert!(
+    size_of::<DQuat>() == 32
+        && std::mem::offset_of!(DQuat, x) == 0
+        && std::mem::offset_of!(DQuat, y) == 8
+        && std::mem::offset_of!(DQuat, z) == 16
+        && std::mem::offset_of!(DQuat, w) == 24
+);
+
+/// The same of attitudes.
+///
+/// # Safety
+/// As of [`records`].
 #[inline(always)]
-fn attitudes<V: Lanes>(attitudes: &[DQuat], group: &[usize; 8]) -> [V; 4] {
-    columns(
-        #[inline(always)]
-        |lane| {
-            let q = attitudes[group[lane]];
-            Record { x: q.x, y: q.y, z: q.z, w: q.w }
-        },
-    )
+unsafe fn attitudes<V: Lanes>(from: &[DQuat], at: &[u32; 8]) -> [V; 4] {
+    // SAFETY: by the caller, and see above.
+    unsafe { V::quads::<1>(from.as_ptr().cast(), at) }
 }
 
 #[cfg(test)]
