@@ -170,15 +170,26 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     }
 }
 
-impl<M: ContactLaw, I: Integrator> World<M, I> {
+impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// Velocities and accelerations of the last step, where they were not kept, to rounding.
     pub(crate) fn recall(&mut self) {
-        if I::FROM_MEAN && self.make.moves_on_without_velocities() {
-            let (dt, clumps) = (self.make.dt, self.make.only_clumps);
-            let count = self.state.bodies.id.len().div_ceil(CHUNK);
-            let columns = cut_bodies(&mut self.state.bodies, CHUNK);
-            self.team.each(count, columns, |_, columns| Run::of(0, columns).recall(dt, clumps));
+        if !(I::FROM_MEAN && self.make.moves_on_without_velocities()) {
+            return;
         }
+        let (dt, clumps) = (self.make.dt, self.make.only_clumps);
+        let mut bodies = std::mem::take(&mut self.state.bodies);
+        let m = &self.state.members;
+        let turns = self.turns(&m.shape, &m.first);
+        let count = bodies.id.len().div_ceil(CHUNK);
+        self.team.each(count, cut_bodies(&mut bodies, CHUNK), |c, columns| {
+            let mut run = Run::of(c * CHUNK, columns);
+            if clumps {
+                let own = run.begin..run.begin + run.count();
+                turns.recall(&mut run, &m.attitude[own.clone()], &m.end_spin[own]);
+            }
+            run.recall(dt, clumps);
+        });
+        self.state.bodies = bodies;
     }
 }
 
@@ -258,57 +269,13 @@ impl<M> Kick<'_, M> {
 
     /// What the medium does to bodies.
     #[inline(always)]
-    fn add_drag(&self, run: &Run<'_>, sums: &mut [Pull], flow: &mut Flow) {
+    pub(crate) fn add_drag(&self, run: &Run<'_>, sums: &mut [Pull], flow: &mut Flow) {
         let Some(drag) = &self.make.drag else { return };
         for (k, sum) in sums.iter_mut().enumerate().take(run.position.len()) {
             let v = run.velocities[k][END].vector();
             let resistance = drag.force(run.velocities[k][MEAN].w, run.position[k].w, v);
             sum.force.add(resistance);
             flow.drag -= resistance.dot(v);
-        }
-    }
-
-    /// [`Kick::and_drift`] for clumps, whose torques and angular momenta are brought up for the turn to come: of their columns
-    /// velocities, accelerations and angular velocities are left alone.
-    #[inline(always)]
-    fn clumps_and_drift<Q: Quad, I: Integrator>(
-        &self,
-        integrator: &I,
-        run: &mut Run<'_>,
-        spheres: &[Record],
-        sums: &mut [Pull],
-        flow: &mut Flow,
-    ) {
-        let (begin, end) = (run.begin, run.begin + run.position.len());
-        let of = Seated { seats: self.seats, centres: run.position, spheres };
-        self.collect.bodies(begin, end, of, sums);
-        self.add_drag(run, sums, flow);
-        let (dt, none) = (self.dt, Q::load(&Record::ZERO));
-        let gravity = Q::load(&Record::new(self.gravity, 0.0));
-        let run = run.even();
-        // Neighbours are mostly of one mass: they need no division.
-        let (mut mass, mut by_mass) = (1.0, 1.0);
-        for (k, sum) in sums.iter_mut().enumerate().take(end - begin) {
-            // Zero again for whose turn comes next.
-            let Pull { force, torque } = std::mem::take(sum);
-            let own = run.velocities[k][MEAN].w;
-            if own.to_bits() != f64::to_bits(mass) {
-                (mass, by_mass) = (own, 1.0 / own);
-            }
-            let a = gravity.plus_times(Q::load(&force), by_mass);
-            let mean = Q::load(&run.velocities[k][MEAN]);
-            let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
-            let d = integrator.drift(v, a, &mut { none }, dt);
-            let position = Q::load(&run.position[k]);
-            let position = position.plus_times(d.mean_velocity, dt).with_scalar_of(position);
-            position.store(&mut run.position[k]);
-            d.mean_velocity.with_scalar_of(mean).store(&mut run.velocities[k][MEAN]);
-            let old = Q::load(&run.velocities[k][END]);
-            d.end_velocity.with_scalar_of(old).store(&mut run.velocities[k][END]);
-            let torque = Q::load(&torque);
-            torque.store(&mut run.angular[k]);
-            let momentum = Q::load(&run.turn[k]);
-            (momentum + torque * (0.5 * dt)).store(&mut run.turn[k]);
         }
     }
 

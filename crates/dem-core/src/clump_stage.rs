@@ -1,16 +1,17 @@
-//! The stages of clumps: their turns, their spins, and where their spheres are.
+//! The stages of clumps: how they move on, their turns, their spins, and where their spheres are.
 
 use glam::DQuat;
 
 use crate::body_run::{Run, cut_bodies};
-use crate::body_stage::Farthest;
+use crate::body_stage::{Farthest, Kick};
 use crate::contact::model::ContactLaw;
 use crate::contact_stage::CHUNK;
+use crate::energy::Flow;
 use crate::integrate::Integrator;
-use crate::particles::Record;
+use crate::particles::{END, MEAN, Record};
 use crate::rigid::{Clump, spin_of};
-use crate::simd::{Level, OnBodies as _, Placing, Since, Turning};
-use crate::sums::PIECE;
+use crate::simd::{Level, OnBodies as _, Placing, Quad, Since, Turning};
+use crate::sums::{PIECE, Pull, Seated};
 use crate::threads::{cut, cut_groups};
 use crate::world::{BodyYield, SPHERE, World};
 
@@ -90,6 +91,16 @@ impl Turns<'_> {
         farthest
     }
 
+    /// Torques that were not kept when clumps moved on, to rounding: the spins foretold for the end of the step to come have those of
+    /// half a step in them, the momenta have not.
+    pub(crate) fn recall(&self, run: &mut Run<'_>, attitude: &[DQuat], end_spin: &[Record]) {
+        for (k, (q, spin)) in attitude.iter().zip(end_spin).enumerate() {
+            let moments = self.shapes[self.shape[run.begin + k] as usize].moments;
+            let end = *q * ((q.conjugate() * spin.vector()) * moments);
+            run.angular[k].set((end - run.turn[k].vector()) * (2.0 / self.dt));
+        }
+    }
+
     /// Turn a run of bodies back by what they have turned last, to rounding.
     pub(crate) fn undo(&self, run: &mut Run<'_>, attitude: &mut [DQuat]) {
         let dt = self.dt;
@@ -101,6 +112,52 @@ impl Turns<'_> {
             *q = (DQuat::from_xyzw(half.x, half.y, half.z, 1.0) * *q).normalize();
             let momentum = run.turn[k].vector() - run.angular[k].vector() * (0.5 * dt);
             run.turn[k].set(momentum);
+        }
+    }
+}
+
+impl<M> Kick<'_, M> {
+    /// [`Kick::and_drift`] for clumps, whose torques and angular momenta are brought up for the turn to come: of their columns
+    /// velocities, accelerations and angular velocities are left alone.
+    #[inline(always)]
+    pub(crate) fn clumps_and_drift<Q: Quad, I: Integrator>(
+        &self,
+        integrator: &I,
+        run: &mut Run<'_>,
+        spheres: &[Record],
+        sums: &mut [Pull],
+        flow: &mut Flow,
+    ) {
+        let (begin, end) = (run.begin, run.begin + run.position.len());
+        let of = Seated { seats: self.seats, centres: run.position, spheres };
+        self.collect.bodies(begin, end, of, sums);
+        self.add_drag(run, sums, flow);
+        let (dt, none) = (self.dt, Q::load(&Record::ZERO));
+        let gravity = Q::load(&Record::new(self.gravity, 0.0));
+        let run = run.even();
+        // Neighbours are mostly of one mass: they need no division.
+        let (mut mass, mut by_mass) = (1.0, 1.0);
+        for (k, sum) in sums.iter_mut().enumerate().take(end - begin) {
+            // Zero again for whose turn comes next.
+            let Pull { force, torque } = std::mem::take(sum);
+            let own = run.velocities[k][MEAN].w;
+            if own.to_bits() != f64::to_bits(mass) {
+                (mass, by_mass) = (own, 1.0 / own);
+            }
+            let a = gravity.plus_times(Q::load(&force), by_mass);
+            let mean = Q::load(&run.velocities[k][MEAN]);
+            let v = integrator.kick(none, mean, none, a, &mut { none }, dt);
+            let d = integrator.drift(v, a, &mut { none }, dt);
+            let position = Q::load(&run.position[k]);
+            let position = position.plus_times(d.mean_velocity, dt).with_scalar_of(position);
+            position.store(&mut run.position[k]);
+            d.mean_velocity.with_scalar_of(mean).store(&mut run.velocities[k][MEAN]);
+            let old = Q::load(&run.velocities[k][END]);
+            d.end_velocity.with_scalar_of(old).store(&mut run.velocities[k][END]);
+            let torque = Q::load(&torque);
+            torque.store(&mut run.angular[k]);
+            let momentum = Q::load(&run.turn[k]);
+            (momentum + torque * (0.5 * dt)).store(&mut run.turn[k]);
         }
     }
 }

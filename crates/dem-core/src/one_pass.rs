@@ -228,16 +228,21 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let moved_far = s.strip_yield.iter().any(|y| y.moved_far);
         if deep {
             // A fault leaves bodies where they were when it was found.
-            let columns = (cut_bodies(&mut bodies, PIECE), cut(&mut attitude, PIECE));
+            let turned = (cut(&mut attitude, PIECE), cut(&mut end_spin, PIECE));
+            let columns = (cut_bodies(&mut bodies, PIECE), turned);
             let moved: Vec<_> = strips.moved(&s.strip_yield).collect();
             let parts = chosen(columns, Some(&moved));
-            self.team.each(moved.len(), parts, |k, (columns, attitude)| {
+            let from_mean = I::FROM_MEAN && make.moves_on_without_velocities();
+            self.team.each(moved.len(), parts, |k, (columns, (attitude, end_spin))| {
                 let mut run = Run::of(moved[k] as usize * PIECE, columns);
                 run.undo_drift(dt);
+                if from_mean && clumps {
+                    turns.recall(&mut run, attitude, end_spin);
+                }
                 if clumps {
                     turns.undo(&mut run, attitude);
                 }
-                if I::FROM_MEAN && make.moves_on_without_velocities() {
+                if from_mean {
                     run.recall(dt, clumps);
                 }
             });
@@ -453,6 +458,12 @@ impl<M, I: Integrator> Finish<'_, M, I> {
         let mut whole = Run::of(begin, columns);
         let count = whole.count();
         let (integrator, kick, drift) = (self.integrator, Some(self.kick), self.drift);
+        // Torques on clumps that move on are needed for their turn alone, and stay in the cache.
+        let mut torques;
+        if I::FROM_MEAN && drift.is_some() && self.kick.make.only_clumps {
+            torques = [Record::ZERO; PIECE];
+            whole.angular = &mut torques[..count];
+        }
         let (run, spheres) = (whole.some(0..count), &*clumps.2);
         let piece = Piece { integrator, kick, drift, run, spheres, sums };
         let (_, mut farthest) = on_records(self.level, self.kick.make.arithmetic, piece);

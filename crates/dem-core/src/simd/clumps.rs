@@ -161,7 +161,7 @@ impl Turning<'_> {
     #[inline(always)]
     fn eight<V: Lanes>(&mut self, group: &[usize; 8]) {
         let s = &self.since;
-        let columns = [&*self.torque, &*self.mean_spin, &*self.end_spin, &*self.momentum];
+        let columns: [&[Record]; 4] = [self.torque, self.mean_spin, self.end_spin, self.momentum];
         let (columns, bodies) = (columns.map(<[Record]>::len), self.shape.len());
         let since = [s.position.len(), s.reference.len(), s.attitude.len(), self.attitude.len()];
         assert!(columns.iter().chain(&since).all(|len| *len >= bodies));

@@ -34,6 +34,47 @@ fn a_particle_that_leaves_the_domain_is_named() {
 }
 
 #[test]
+fn when_a_clump_leaves_the_domain_the_others_have_the_velocities_of_that_step() {
+    let run = |steps: u64| {
+        let (mut b, m) = one_material(1e-5);
+        let sphere = |x| ClumpSphere { centre: DVec3::X * x, radius: 1e-3 };
+        let spec = ClumpSpec {
+            spheres: vec![sphere(-0.8e-3), sphere(0.8e-3)],
+            mass: 2e-5,
+            centre_of_mass: DVec3::ZERO,
+            inertia: DMat3::from_diagonal(DVec3::new(1.0, 2.0, 2.0) * 1e-11),
+            material: m,
+        };
+        let shape = b.clump_shape(spec.try_into().unwrap());
+        let mut clump = |position, velocity| {
+            let (orientation, spin) = (DQuat::IDENTITY, DVec3::new(30.0, 20.0, 10.0));
+            b.clump(PlacedClump { shape, position, orientation, velocity, spin })
+        };
+        // Two that are in touch when the third leaves.
+        let hit = clump(DVec3::Y * 2.055e-3, DVec3::Y * -0.5);
+        let other = clump(DVec3::ZERO, DVec3::ZERO);
+        let runaway = clump(DVec3::X * 0.09995, DVec3::X);
+        let mut w = b.gravity(DVec3::Y * -0.1).build().unwrap();
+        let fault = loop {
+            if let Err(error) = w.run(steps) {
+                break fault(error);
+            }
+        };
+        assert_eq!((fault.kind, fault.particle), (FaultKind::Lost, runaway));
+        let of = |p| [w.position(p), w.velocity(p), w.acceleration(p), w.spin(p)];
+        (fault.step, [hit, other, runaway].map(of))
+    };
+    let ((step, together), (single, apart)) = (run(10_000), run(1));
+    assert_eq!(step, single);
+    for (together, apart) in together.into_iter().flatten().zip(apart.into_iter().flatten()) {
+        // Of accelerations a difference of velocities over half a step is left, rounded.
+        let off = (together - apart).length();
+        assert!(off < 1e-9 * (1.0 + apart.length()), "{together} and {apart}");
+    }
+    assert!(together[0][2].length() > 1.0, "no blow: {:?}", together[0]);
+}
+
+#[test]
 fn spheres_placed_into_one_another_are_named_with_their_partner() {
     use Kernels::{FastRoots, Fastest, Fused, Portable};
     for kernels in [Fastest, Fused, FastRoots, Portable] {
