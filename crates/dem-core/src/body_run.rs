@@ -98,9 +98,9 @@ impl<'a> Run<'a> {
     }
 
     /// Velocities and accelerations that were not kept when bodies moved on, to rounding: the mean velocity of the step to
-    /// come lies half-way between the velocity at its beginning and that foretold for its end. Clumps turn as their momenta tell; of how
-    /// spheres turn nothing else was kept than the mean of that step: it stands for the angular velocity at its beginning, without an angular acceleration, so
-    /// that who begins the step anew turns as far.
+    /// come lies half-way between the velocity at its beginning and that foretold for its end. Clumps turn as their momenta tell. Of
+    /// how spheres turn nothing else was kept than the mean of that step: it stands for the angular velocity at its beginning,
+    /// without an angular acceleration, so that who begins the step anew turns as far.
     pub(crate) fn recall(&mut self, dt: f64, clumps: bool) {
         let run = self.even();
         for k in 0..run.position.len() {
