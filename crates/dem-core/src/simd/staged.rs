@@ -182,6 +182,14 @@ impl PairKernel<'_> {
             let levers = Self::levers(&sizes, met.overlap);
             let Slide { slip, rolling, twist } =
                 slide::<_, ALIKE>(&line, given.approach, given.spins, levers, self.dt);
+            // Field by field: what is not needed here any more leaves the registers.
+            let to = desk.moved[g].as_mut_ptr();
+            // SAFETY: room for it.
+            unsafe {
+                (&raw mut (*to).normal).write(line.normal);
+                (&raw mut (*to).rolling).write(rolling);
+                (&raw mut (*to).slip).write(slip);
+            }
             let features = if MORE { self.features } else { Features::NONE };
             let trial = would_be(
                 [line.normal, slip],
@@ -192,7 +200,8 @@ impl PairKernel<'_> {
                 features.form(),
                 met.touching,
             );
-            desk.moved[g].write(Moved { normal: line.normal, slip, rolling, trial });
+            // SAFETY: room for it.
+            unsafe { (&raw mut (*to).trial).write(trial) };
         }
     }
 
