@@ -140,6 +140,12 @@ impl PairKernel<'_> {
                     let [approach, end] = Half::differences_of_twos(velocity, i, j);
                     (&raw mut (*to).approach).write(approach);
                     (&raw mut (*to).end).write(end);
+                    if FUSED && !MORE {
+                        let [sum, less] = Half::sums_and_differences(spin, i, j);
+                        (&raw mut (*to).spins[0]).write(sum);
+                        (&raw mut (*to).spins[1]).write(less);
+                        continue;
+                    }
                     (&raw mut (*to).spins[0]).write(V3::of(Half::quads::<1>(spin, i)));
                     (&raw mut (*to).spins[1]).write(V3::of(Half::quads::<1>(spin, j)));
                     continue;

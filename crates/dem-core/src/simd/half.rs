@@ -206,6 +206,29 @@ impl<const FUSED: bool> Half<FUSED> {
         }
     }
 
+    /// Sums and differences of the vectors of four records and of four others, whose numbers begin there.
+    ///
+    /// # Safety
+    /// AVX2 is there and all of them can be read.
+    #[inline(always)]
+    pub(super) unsafe fn sums_and_differences(
+        from: *const f64,
+        of: &[u32; 4],
+        and: &[u32; 4],
+    ) -> [V3<Self>; 2] {
+        // SAFETY: by the caller.
+        unsafe {
+            let a = sum_and_less(quad::<1>(from, of[0]), quad::<1>(from, and[0]));
+            let b = sum_and_less(quad::<1>(from, of[1]), quad::<1>(from, and[1]));
+            let c = sum_and_less(quad::<1>(from, of[2]), quad::<1>(from, and[2]));
+            let d = sum_and_less(quad::<1>(from, of[3]), quad::<1>(from, and[3]));
+            let [x, y, z, _] = transpose(a[0], b[0], c[0], d[0]);
+            let sum = V3 { x: Self(x), y: Self(y), z: Self(z) };
+            let [x, y, z, _] = transpose(a[1], b[1], c[1], d[1]);
+            [sum, V3 { x: Self(x), y: Self(y), z: Self(z) }]
+        }
+    }
+
     /// Four records, and nothing in the lanes that are not `used`.
     #[inline(always)]
     pub(super) fn rows(v: V3<Self>, scalar: Self, used: Which) -> [__m256d; 4] {
@@ -219,6 +242,16 @@ impl<const FUSED: bool> Half<FUSED> {
             )
         }
     }
+}
+
+/// Sum of two records, and the first less the second.
+///
+/// # Safety
+/// AVX is there.
+#[inline(always)]
+unsafe fn sum_and_less(a: __m256d, b: __m256d) -> [__m256d; 2] {
+    // SAFETY: by the caller.
+    unsafe { [_mm256_add_pd(a, b), _mm256_sub_pd(a, b)] }
 }
 
 /// Both records of a pair less those of another one, which begin at twice these places.

@@ -87,23 +87,39 @@ pub(super) struct Slide<V> {
     pub(super) twist: V,
 }
 
+/// How both spheres spin.
+#[derive(Clone, Copy)]
+pub(super) struct Spins<V> {
+    pub(super) each: [V3<V>; 2],
+    pub(super) sum: V3<V>,
+    /// Of the first less that of the second.
+    pub(super) difference: V3<V>,
+}
+
+impl<V: Numbers> Spins<V> {
+    #[inline(always)]
+    pub(super) fn of([i, j]: [V3<V>; 2]) -> Self {
+        Self { each: [i, j], sum: i + j, difference: i - j }
+    }
+}
+
 /// By the first sphere's velocity against the second's, both spins and levers, of spheres that are `ALIKE` or of any
 /// two.
 #[inline(always)]
 pub(super) fn slide<V: Numbers, const ALIKE: bool>(
     line: &Line<V>,
     approach: V3<V>,
-    [wi, wj]: [V3<V>; 2],
+    spins: &Spins<V>,
     [lever_i, lever_j]: [V; 2],
     dt: f64,
 ) -> Slide<V> {
     let n = line.normal;
-    let (approaching, spin_sum) = (line.along(approach), line.along(wi + wj));
+    let (approaching, spin_sum) = (line.along(approach), line.along(spins.sum));
     let quarter = V::splat(0.25 * dt);
     let turning = if V::FUSED && ALIKE {
-        (wi + wj) * quarter.times_plus(approaching, lever_i)
+        spins.sum * quarter.times_plus(approaching, lever_i)
     } else {
-        let back = quarter * approaching;
+        let (back, [wi, wj]) = (quarter * approaching, spins.each);
         wi.times_plus(lever_i + back, wj * (lever_j + back))
     };
     let slip = if V::FUSED {
@@ -112,7 +128,7 @@ pub(super) fn slide<V: Numbers, const ALIKE: bool>(
         let relative = turning.cross_plus(n, approach);
         relative.less_times(n, relative.dot(n))
     };
-    let spin = wi - wj;
+    let spin = spins.difference;
     Slide {
         slip,
         rolling: spin.less_times(n, line.along(spin)),

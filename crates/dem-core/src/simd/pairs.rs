@@ -6,7 +6,7 @@ use super::blocks::{Blocks, MOST, Two};
 use super::carried::Remembered;
 use super::hertz_mindlin::{Features, Laws, Motion, Out, Pressing, respond};
 use super::lanes::{Numbers, V3};
-use super::meeting::{Line, Slide, meet, slide};
+use super::meeting::{Line, Slide, Spins, meet, slide};
 use super::{Arithmetic, Constants, Level};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
@@ -325,7 +325,7 @@ impl PairKernel<'_> {
         let half = V::splat(0.5);
         let levers = [ri.less_times(half, met.overlap), rj.less_times(half, met.overlap)];
         let Slide { slip, rolling, twist } =
-            slide::<V, ALIKE>(&line, approach, [wi, wj], levers, self.dt);
+            slide::<V, ALIKE>(&line, approach, &Spins::of([wi, wj]), levers, self.dt);
         // Spheres alike: the same operations, once for all lanes.
         let (r_star, m_star) = match size {
             Some(size) => PairKernel::reduced(size),

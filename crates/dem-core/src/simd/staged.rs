@@ -16,7 +16,7 @@ use super::gathering::{Batch, GROUPS, Gathered, Given, Seated, Sizes};
 use super::half::{Half, Which};
 use super::hertz_mindlin::{Features, Laws, Motion, Pressed, Pressing, answer, press, would_be};
 use super::lanes::{Numbers, V3};
-use super::meeting::{Line, Slide, meet, slide};
+use super::meeting::{Line, Slide, Spins, meet, slide};
 use super::pairs::{PairKernel, Sink, Sinks};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
@@ -180,8 +180,14 @@ impl PairKernel<'_> {
             };
             let line = Line::of(given.apart, met.inverse);
             let levers = Self::levers(&sizes, met.overlap);
+            let spins = if FUSED && ALIKE && !MORE {
+                let [sum, difference] = given.spins;
+                Spins { each: given.spins, sum, difference }
+            } else {
+                Spins::of(given.spins)
+            };
             let Slide { slip, rolling, twist } =
-                slide::<_, ALIKE>(&line, given.approach, given.spins, levers, self.dt);
+                slide::<_, ALIKE>(&line, given.approach, &spins, levers, self.dt);
             // Field by field: what is not needed here any more leaves the registers.
             let to = desk.moved[g].as_mut_ptr();
             // SAFETY: room for it.
