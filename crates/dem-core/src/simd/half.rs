@@ -143,6 +143,10 @@ impl<const FUSED: bool> Numbers for Half<FUSED> {
         Self(unsafe { _mm256_blendv_pd(o.0, self.0, mask.0) })
     }
     #[inline(always)]
+    fn only(self, mask: Which) -> Self {
+        Self(unsafe { _mm256_and_pd(self.0, mask.0) })
+    }
+    #[inline(always)]
     fn one_by_one(self, f: fn(f64) -> f64) -> Self {
         let mut each = self.each();
         for x in &mut each {
@@ -229,18 +233,18 @@ impl<const FUSED: bool> Half<FUSED> {
         }
     }
 
+    /// Four records.
+    #[inline(always)]
+    pub(super) fn rows(v: V3<Self>, scalar: Self) -> [__m256d; 4] {
+        // SAFETY: as above.
+        unsafe { transpose(v.x.0, v.y.0, v.z.0, scalar.0) }
+    }
+
     /// Four records, and nothing in the lanes that are not `used`.
     #[inline(always)]
-    pub(super) fn rows(v: V3<Self>, scalar: Self, used: Which) -> [__m256d; 4] {
-        // SAFETY: as above.
-        unsafe {
-            transpose(
-                _mm256_and_pd(v.x.0, used.0),
-                _mm256_and_pd(v.y.0, used.0),
-                _mm256_and_pd(v.z.0, used.0),
-                _mm256_and_pd(scalar.0, used.0),
-            )
-        }
+    pub(super) fn used_rows(v: V3<Self>, scalar: Self, used: Which) -> [__m256d; 4] {
+        let only = V3 { x: v.x.only(used), y: v.y.only(used), z: v.z.only(used) };
+        Self::rows(only, scalar.only(used))
     }
 }
 
@@ -295,7 +299,7 @@ impl<const FUSED: bool> Group<4> for Half<FUSED> {
     }
     #[inline(always)]
     unsafe fn put_used(v: V3<Self>, scalar: Self, used: Which, to: *mut f64, at: &[u32; 4]) {
-        for (at, row) in at.iter().zip(Self::rows(v, scalar, used)) {
+        for (at, row) in at.iter().zip(Self::used_rows(v, scalar, used)) {
             unsafe { put_quad(to, *at, row) }
         }
     }

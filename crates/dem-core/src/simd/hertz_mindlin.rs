@@ -169,14 +169,22 @@ pub(super) struct Motion<V> {
     pub(super) radius_j: V,
 }
 
+/// Springs of contacts, held by friction, and their signed stiffness.
+pub(super) struct Held<V: Numbers> {
+    pub(super) spring: V3<V>,
+    pub(super) stiffness: V,
+    /// Normal force that is not negative.
+    load: V,
+    /// The limit to friction.
+    bound: V,
+    sticks: V::Mask,
+}
+
 /// Wrenches of contacts.
 pub(super) struct Out<V> {
     pub(super) force: V3<V>,
     pub(super) torque_i: V3<V>,
     pub(super) torque_j: V3<V>,
-    /// Spring force and signed stiffness.
-    pub(super) spring: V3<V>,
-    pub(super) stiffness: V,
 }
 
 /// Hold `trial` to `bound` where it exceeds `threshold`, as is `rare` or not; returns it and the lanes, of those that
@@ -229,16 +237,16 @@ fn pull<V: Numbers>(m: &Motion<V>, energy_density: V) -> V {
     energy_density * area
 }
 
-/// Torque of size `limit` against `spin`.
+/// Torque along `spin`, of that size: negative where it goes against it.
 #[inline(always)]
-fn against<V: Numbers>(spin: V3<V>, limit: V) -> V3<V> {
+fn along<V: Numbers>(spin: V3<V>, limit: V) -> V3<V> {
     let speed2 = spin.dot(spin);
     if V::FAST {
-        spin * over_root(-limit, speed2)
+        spin * over_root(limit, speed2)
     } else if V::FUSED {
-        spin * over_root(-limit, speed2.max(V::splat(LEAST)))
+        spin * over_root(limit, speed2.max(V::splat(LEAST)))
     } else {
-        spin * (-limit / speed2.sqrt().max(V::splat(f64::MIN_POSITIVE)))
+        spin * (limit / speed2.sqrt().max(V::splat(f64::MIN_POSITIVE)))
     }
 }
 
@@ -286,21 +294,18 @@ pub(super) fn would_be<V: Numbers>(
     if V::FUSED { carried.less_times(slip, k * dt) } else { carried.less_times(slip * dt, k) }
 }
 
-/// Friction, rolling and what follows, of spheres that are `ALIKE` or of any two: `trial` is the spring if nothing
-/// slid, `old` the stiffness that is remembered.
+/// Springs as friction holds them: `trial` is the spring if nothing slid, `old` the stiffness that is remembered.
 #[inline(always)]
-pub(super) fn answer<V: Numbers, const ALIKE: bool>(
-    m: &Motion<V>,
+pub(super) fn hold<V: Numbers>(
     laws: &Laws<V>,
     features: Features,
     pressed: &Pressed<V>,
     trial: V3<V>,
     old: V,
     touching: V::Mask,
-) -> Out<V> {
-    let (zero, n) = (V::splat(0.0), m.normal);
-    let Pressed { force: normal, stiffness: k, dashpot } = *pressed;
-    let load = normal.max(zero);
+) -> Held<V> {
+    let (zero, k) = (V::splat(0.0), pressed.stiffness);
+    let load = pressed.force.max(zero);
     let sticking = laws.friction * load;
     let (threshold, bound) = if features.stick_slip {
         let sliding = laws.kinetic * load;
@@ -310,32 +315,45 @@ pub(super) fn answer<V: Numbers, const ALIKE: bool>(
     };
     let (spring, sliding) = limit(trial, threshold, bound, touching, false);
     let sticks = touching & !sliding;
+    Held { spring, stiffness: (-k).select(sliding, k), load, bound: sticking, sticks }
+}
+
+/// Friction with its dashpot, rolling and what follows, of spheres that are `ALIKE` or of any two.
+#[inline(always)]
+pub(super) fn answer<V: Numbers, const ALIKE: bool>(
+    m: &Motion<V>,
+    laws: &Laws<V>,
+    features: Features,
+    pressed: &Pressed<V>,
+    held: &Held<V>,
+) -> Out<V> {
+    let (zero, n) = (V::splat(0.0), m.normal);
+    let Pressed { force: normal, dashpot, .. } = *pressed;
+    let Held { spring, load, bound: sticking, sticks, .. } = *held;
     // No dashpot changes nothing but the sign of zero.
-    let sticks_damped = if V::FAST { sticks } else { sticks & zero.less(dashpot) };
+    let (damped, sticks_damped) = if V::FUSED && !V::FAST {
+        (spring.less_times(m.slip, dashpot.only(sticks)), sticks)
+    } else {
+        let damped = if V::FAST { sticks } else { sticks & zero.less(dashpot) };
+        (spring.less_times(m.slip, dashpot).select(damped, spring), damped)
+    };
     // Sliding contacts are at the limit already and have no dashpot: few are left here.
-    let damped = spring.less_times(m.slip, dashpot).select(sticks_damped, spring);
     let (shear, _) = limit(damped, sticking, sticking, sticks_damped, true);
     let moment = n.cross(shear);
     // Rolling.
     let (torque_i, torque_j) = if features.form.absolute_spin {
         let limit_i = laws.arm_ratio.times_plus(m.lever_i, laws.arm_length) * load;
         let limit_j = laws.arm_ratio.times_plus(m.lever_j, laws.arm_length) * load;
-        let roll_i = against(m.spin_i, limit_i);
-        let roll_j = against(m.spin_j, limit_j);
+        let roll_i = along(m.spin_i, -limit_i);
+        let roll_j = along(m.spin_j, -limit_j);
         (moment.times_plus(m.lever_i, roll_i), moment.times_plus(m.lever_j, roll_j))
     } else {
         let arm = laws.arm_ratio.times_plus(m.r_star, laws.arm_length);
-        let roll = against(m.rolling, arm * load);
+        let roll = along(m.rolling, -arm * load);
         (moment.times_plus(m.lever_i, roll), moment.times_less(m.lever_j, roll))
     };
     let repulsion = if features.cohesive { normal - pull(m, laws.energy_density) } else { normal };
-    Out {
-        force: shear.less_times(n, repulsion),
-        torque_i,
-        torque_j,
-        spring,
-        stiffness: (-k).select(sliding, k),
-    }
+    Out { force: shear.less_times(n, repulsion), torque_i, torque_j }
 }
 
 /// The laws in one go.
@@ -347,9 +365,11 @@ pub(super) fn respond<V: Numbers, const ALIKE: bool>(
     features: Features,
     (old, before): (&Remembered<V>, &Before<V>),
     touching: V::Mask,
-) -> Out<V> {
+) -> (Held<V>, Out<V>) {
     let pressed = press::<V, ALIKE>(pressing, laws);
     let motion = [m.normal, m.slip];
     let trial = would_be(motion, twist, dt, &pressed, (old, before), features.form, touching);
-    answer::<V, ALIKE>(m, laws, features, &pressed, trial, old.stiffness, touching)
+    let held = hold(laws, features, &pressed, trial, old.stiffness, touching);
+    let out = answer::<V, ALIKE>(m, laws, features, &pressed, &held);
+    (held, out)
 }

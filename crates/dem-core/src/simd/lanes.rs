@@ -72,6 +72,11 @@ pub(crate) trait Numbers:
     fn less(self, other: Self) -> Self::Mask;
     /// `self` in the lanes of `mask`, `other` elsewhere.
     fn select(self, mask: Self::Mask, other: Self) -> Self;
+    /// `self` in the lanes of `mask`, zero elsewhere.
+    #[inline(always)]
+    fn only(self, mask: Self::Mask) -> Self {
+        self.select(mask, Self::splat(0.0))
+    }
     /// A function of each by itself: slow.
     fn one_by_one(self, f: fn(f64) -> f64) -> Self;
 }

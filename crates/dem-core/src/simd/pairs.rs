@@ -4,7 +4,7 @@
 use super::acting::{Acting, Room};
 use super::blocks::{Blocks, MOST, Two};
 use super::carried::Remembered;
-use super::hertz_mindlin::{Features, Laws, Motion, Out, Pressing, respond};
+use super::hertz_mindlin::{Features, Held, Laws, Motion, Out, Pressing, respond};
 use super::lanes::{Numbers, V3};
 use super::meeting::{Line, Slide, Spins, meet, slide};
 use super::{Arithmetic, Constants, Level};
@@ -346,7 +346,7 @@ impl PairKernel<'_> {
         };
         let pressing = Pressing { overlap: met.overlap, rate: line.along(end), r_star, m_star };
         let features = if MORE { self.features } else { Features::NONE };
-        let mut out = respond::<V, ALIKE>(
+        let (held, mut out) = respond::<V, ALIKE>(
             (&motion, &pressing),
             [twist, V::splat(self.dt)],
             laws,
@@ -362,7 +362,7 @@ impl PairKernel<'_> {
             sums = [&first[..V::COUNT], &second[..V::COUNT]];
         }
         // SAFETY: by the caller.
-        unsafe { store(&b, sinks, sums, met.touching, &out, nothing) };
+        unsafe { store(&b, sinks, sums, met.touching, (&held, &out), nothing) };
         let lanes = b.valid.into_iter().zip(V::bits(met.touching));
         for ((valid, touching), pairs) in lanes.zip(b.pair) {
             // SAFETY: by the caller.
@@ -455,7 +455,7 @@ unsafe fn store<V: Blocks>(
     sinks: Sinks,
     [first, second]: [&[[u32; 8]]; 2],
     touching: V::Mask,
-    out: &Out<V>,
+    (held, out): (&Held<V>, &Out<V>),
     nothing: f64,
 ) {
     let zero = V::splat(nothing);
@@ -464,11 +464,11 @@ unsafe fn store<V: Blocks>(
         let v = v.select(touching, none);
         [v.x, v.y, v.z, scalar]
     };
-    let stiffness = out.stiffness.select(touching, zero);
+    let stiffness = held.stiffness.select(touching, zero);
     let wrench = [out.force, out.torque_i, out.torque_j];
     // SAFETY: by the caller.
     unsafe {
-        V::put_quads(record(out.spring, stiffness), sinks.memory, b.pair);
+        V::put_quads(record(held.spring, stiffness), sinks.memory, b.pair);
         match sinks.wrenches {
             Sink::Kept(to) => {
                 for (v, to) in wrench.into_iter().zip(to) {

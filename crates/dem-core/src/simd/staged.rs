@@ -14,7 +14,9 @@ use super::avx::{add_pair, put_quad};
 use super::carried::Before;
 use super::gathering::{Batch, GROUPS, Gathered, Given, Seated, Sizes};
 use super::half::{Half, Which};
-use super::hertz_mindlin::{Features, Laws, Motion, Pressed, Pressing, answer, press, would_be};
+use super::hertz_mindlin::{
+    Features, Laws, Motion, Pressed, Pressing, answer, hold, press, would_be,
+};
 use super::lanes::{Numbers, V3};
 use super::meeting::{Line, Slide, Spins, meet, slide};
 use super::pairs::{PairKernel, Sink, Sinks};
@@ -233,6 +235,13 @@ impl PairKernel<'_> {
                     (desk.gathered.given[g].assume_init_ref(), desk.met[g].assume_init_ref());
                 (given, met, desk.moved[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
+            let used = met.touching;
+            let held = hold(laws, features, &met.pressed, moved.trial, given.old.stiffness, used);
+            let spring = Half::used_rows(held.spring, held.stiffness, used);
+            for (at, spring) in pair.iter().zip(spring) {
+                // SAFETY: by the caller.
+                unsafe { put_quad(sinks.memory, *at, spring) };
+            }
             let [lever_i, lever_j] = Self::levers(&sizes, met.overlap);
             // The usual laws do without spins.
             let [spin_i, spin_j] = if MORE { given.spins } else { [none; 2] };
@@ -249,15 +258,7 @@ impl PairKernel<'_> {
                 radius_i: sizes.radii[0],
                 radius_j: sizes.radii[1],
             };
-            let mut out = answer::<_, ALIKE>(
-                &motion,
-                laws,
-                features,
-                &met.pressed,
-                moved.trial,
-                given.old.stiffness,
-                met.touching,
-            );
+            let mut out = answer::<_, ALIKE>(&motion, laws, features, &met.pressed, &held);
             let mut of = [first, second];
             if MORE && self.spheres.clumps.is_some() {
                 // SAFETY: the group was gathered.
@@ -267,16 +268,10 @@ impl PairKernel<'_> {
                 out.torque_j = out.torque_j - arms[1].cross(out.force);
                 of = [&bodies[0], &bodies[1]];
             }
-            let used = met.touching;
-            let force = Half::rows(out.force, zero, used);
-            let torques =
-                [Half::rows(out.torque_i, zero, used), Half::rows(out.torque_j, zero, used)];
+            let force = Half::rows(out.force, zero);
+            let torques = [Half::rows(out.torque_i, zero), Half::rows(out.torque_j, zero)];
             // SAFETY: by the caller.
             unsafe {
-                let spring = Half::rows(out.spring, out.stiffness, used);
-                for (at, spring) in pair.iter().zip(spring) {
-                    put_quad(sinks.memory, *at, spring);
-                }
                 match sinks.wrenches {
                     Sink::Kept(to) => {
                         for (rows, to) in [force, torques[0], torques[1]].into_iter().zip(to) {

@@ -250,7 +250,7 @@ impl PairKernel<'_> {
         let old = Remembered { spring, stiffness: V::load(&m[3]) };
         let before =
             if V::FUSED { Before::by_itself(&old, old.spring.dot(n)) } else { Before::nothing() };
-        let out = respond::<V, false>(
+        let (held, out) = respond::<V, false>(
             (&motion, &pressing),
             [twist, dt],
             &laws,
@@ -259,11 +259,11 @@ impl PairKernel<'_> {
             touching,
         );
         let none = V3::splat(0.0);
-        let spring = out.spring.select(touching, none);
+        let spring = held.spring.select(touching, none);
         spring.x.store(&mut m[0]);
         spring.y.store(&mut m[1]);
         spring.z.store(&mut m[2]);
-        out.stiffness.select(touching, zero).store(&mut m[3]);
+        held.stiffness.select(touching, zero).store(&mut m[3]);
         // On the wall, about the centre of the sphere.
         let on_wall = out.torque_j - (n * motion.lever_i).cross(out.force);
         let f = out.force.select(touching, none);

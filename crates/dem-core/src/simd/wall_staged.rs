@@ -8,7 +8,7 @@ use super::carried::{Before, Remembered};
 use super::facing::{Faced, Near, brush, face, nearest, nearest_alone};
 use super::gathering::{GROUPS, remembered};
 use super::group::Group;
-use super::hertz_mindlin::{Laws, Motion, Pressed, SLOTS, answer, press, would_be};
+use super::hertz_mindlin::{Laws, Motion, Pressed, SLOTS, answer, hold, press, would_be};
 use super::lanes::{Numbers, V3, fours};
 use super::pairs::PairKernel;
 use super::wall::WallRun;
@@ -236,8 +236,8 @@ impl PairKernel<'_> {
             };
             let used = met.faced.touching;
             let old = given.old.stiffness;
-            let out =
-                answer::<_, false>(motion, laws, self.features, &met.pressed, *trial, old, used);
+            let held = hold(laws, self.features, &met.pressed, *trial, old, used);
+            let out = answer::<_, false>(motion, laws, self.features, &met.pressed, &held);
             // On the wall, about the centre of the sphere.
             let on_wall = out.torque_j - (motion.normal * motion.lever_i).cross(out.force);
             let touching = V::bits(used);
@@ -250,7 +250,7 @@ impl PairKernel<'_> {
                 V::put_used(out.force, zero, used, run.force.as_mut_ptr().cast(), &fours);
                 V::put_used(out.torque_i, zero, used, run.torque.as_mut_ptr().cast(), &fours);
                 V::put_used(on_wall, zero, used, run.on_wall.as_mut_ptr().cast(), &fours);
-                V::put_used(out.spring, out.stiffness, used, memory, &fours);
+                V::put_used(held.spring, held.stiffness, used, memory, &fours);
             }
         }
     }
