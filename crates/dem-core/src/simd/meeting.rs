@@ -29,8 +29,14 @@ pub(super) fn meet<V: Numbers>(
     let touching = distance_squared.less(sum * sum) & valid;
     let (distance, inverse, before) = apart_by(apart, distance_squared, old);
     let overlap = sum - distance;
-    let deep = (V::splat(limit) * ri.min(rj)).less(overlap) & touching;
+    let deep = too_deep([ri, rj], limit).less(overlap) & touching;
     Meeting { touching, deep, inverse, overlap, before }
+}
+
+/// What overlaps of spheres of these radii may not exceed.
+#[inline(always)]
+pub(super) fn too_deep<V: Numbers>([ri, rj]: [V; 2], limit: f64) -> V {
+    V::splat(limit) * ri.min(rj)
 }
 
 /// Distance of centres and one over it, and what fused kernels know of springs beforehand.

@@ -17,8 +17,8 @@ use super::half::{Half, Which};
 use super::hertz_mindlin::{
     Features, Laws, Motion, Pressed, Pressing, answer, hold, press, would_be,
 };
-use super::lanes::{Numbers, V3};
-use super::meeting::{Line, Slide, Spins, meet, slide};
+use super::lanes::{Mask, Numbers, V3};
+use super::meeting::{Line, Slide, Spins, meet, slide, too_deep};
 use super::pairs::{PairKernel, Sink, Sinks};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
@@ -46,7 +46,6 @@ struct Desk<const FUSED: bool> {
     before: [MaybeUninit<Before<Half<FUSED>>>; GROUPS],
     met: [MaybeUninit<Met<FUSED>>; GROUPS],
     moved: [MaybeUninit<Moved<FUSED>>; GROUPS],
-    deep: [u8; GROUPS],
 }
 
 impl PairKernel<'_> {
@@ -67,25 +66,46 @@ impl PairKernel<'_> {
             before: [const { MaybeUninit::uninit() }; GROUPS],
             met: [const { MaybeUninit::uninit() }; GROUPS],
             moved: [const { MaybeUninit::uninit() }; GROUPS],
-            deep: [0; GROUPS],
         };
         let laws = Laws::splat(&self.constants[0]);
         let (mut done, mut batch) = (0, Batch::of(acting, 0));
         while !batch.pair.is_empty() {
             let next = Batch::of(acting, done + 4 * batch.pair.len());
             // SAFETY: by the caller; each loop reads what those before it have written of the batch.
-            unsafe {
+            let deep = unsafe {
                 self.gather::<FUSED, ALIKE, MORE>(&mut desk.gathered, batch, sinks.memory);
                 let left = acting.count - done;
-                self.press_all::<FUSED, ALIKE>(&mut desk, (batch, sinks), left, &laws);
+                let deep = self.press_all::<FUSED, ALIKE>(&mut desk, (batch, sinks), left, &laws);
                 self.move_all::<FUSED, ALIKE, MORE>(&mut desk, batch.pair.len(), next, sinks);
                 self.answer_all::<FUSED, ALIKE, MORE>(&desk, batch, sinks, &laws);
-            }
-            let groups = batch.first.iter().zip(batch.second).zip(desk.deep);
-            for ((first, second), deep) in groups.filter(|(_, deep)| *deep != 0) {
-                self.note_deep(deep, first, second, into);
+                deep
+            };
+            if !deep.is_empty() {
+                // SAFETY: as above.
+                unsafe { self.note_deep_of::<FUSED, ALIKE>(&desk, batch, into) };
             }
             (done, batch) = (done + 4 * batch.pair.len(), next);
+        }
+    }
+
+    /// Note contacts of a batch that overlap too deeply.
+    ///
+    /// # Safety
+    /// As above.
+    #[cold]
+    #[inline(never)]
+    unsafe fn note_deep_of<const FUSED: bool, const ALIKE: bool>(
+        &self,
+        desk: &Desk<FUSED>,
+        batch: Batch<'_>,
+        into: &mut ChunkYield,
+    ) {
+        for (g, (first, second)) in batch.first.iter().zip(batch.second).enumerate() {
+            // SAFETY: by the caller.
+            let (Met { overlap, touching, .. }, sizes) =
+                unsafe { (desk.met[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g)) };
+            let deep = too_deep(sizes.radii, self.overlap_limit).less(*overlap) & *touching;
+            self.note_deep(deep.bits(), first, second, into);
         }
     }
 
@@ -120,17 +140,22 @@ impl PairKernel<'_> {
         (batch, sinks): (Batch<'_>, Sinks),
         count: usize,
         laws: &Laws<Half<FUSED>>,
-    ) {
+    ) -> Which {
+        let mut any_deep = Which::of(0);
         for (g, pairs) in batch.pair.iter().enumerate().take(GROUPS) {
             // SAFETY: by the caller.
             let (Given { apart, end, old, .. }, sizes) = unsafe {
                 (desk.gathered.given[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
-            let valid = lowest_bits(count.saturating_sub(4 * g)) & 0xf;
-            let met = meet(*apart, sizes.radii, old, Which::of(valid), self.overlap_limit);
+            let valid = if 4 * g + 4 <= count {
+                Which::all()
+            } else {
+                Which::of(lowest_bits(count.saturating_sub(4 * g)) & 0xf)
+            };
+            let met = meet(*apart, sizes.radii, old, valid, self.overlap_limit);
             // SAFETY: by the caller.
-            unsafe { sinks.unmark(valid & !met.touching.bits(), pairs) };
-            desk.deep[g] = met.deep.bits();
+            unsafe { sinks.unmark((valid & !met.touching).bits(), pairs) };
+            any_deep = any_deep | met.deep;
             if FUSED {
                 desk.before[g].write(met.before);
             }
@@ -144,6 +169,7 @@ impl PairKernel<'_> {
                 pressed: press::<_, ALIKE>(&pressing, laws),
             });
         }
+        any_deep
     }
 
     /// Arms of the forces on both spheres of a group.
