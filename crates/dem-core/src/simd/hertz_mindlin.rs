@@ -250,31 +250,66 @@ fn along<V: Numbers>(spin: V3<V>, limit: V) -> V3<V> {
     }
 }
 
+/// Hertz without dashpots.
+#[derive(Clone, Copy)]
+pub(super) struct Squeezed<V> {
+    /// Radius of the contact.
+    a: V,
+    /// Root of effective mass times that radius, where it comes with it.
+    inertia: Option<V>,
+    elastic: V,
+}
+
+/// Hertz, without dashpots.
+#[inline(always)]
+pub(super) fn squeeze<V: Numbers, const ALIKE: bool>(
+    p: &Pressing<V>,
+    laws: &Laws<V>,
+) -> Squeezed<V> {
+    let delta = p.overlap.max(V::splat(if V::FAST { LEAST_OVERLAP } else { 0.0 }));
+    let (a, inertia) = if V::FAST && ALIKE {
+        let [a, own] = (p.r_star * delta).both_roots();
+        (a, Some(own * p.m_star.root()))
+    } else {
+        ((p.r_star * delta).root(), None)
+    };
+    let elastic = if V::FUSED {
+        laws.hertz * delta * a
+    } else {
+        let stiffness = V::splat(2.0) * laws.e_star * a;
+        V::splat(2.0 / 3.0) * stiffness * delta
+    };
+    Squeezed { a, inertia, elastic }
+}
+
+/// Both dashpots, which go with the root of mass times contact radius.
+#[inline(always)]
+pub(super) fn damp<V: Numbers>(
+    s: &Squeezed<V>,
+    [rate, m_star]: [V; 2],
+    laws: &Laws<V>,
+) -> Pressed<V> {
+    let inertia = match s.inertia {
+        Some(inertia) => inertia,
+        None => (m_star * s.a).root(),
+    };
+    let (viscosity, dashpot) = if V::FUSED {
+        (laws.viscous * inertia, laws.dashpot * inertia)
+    } else {
+        let viscosity = laws.normal_damping * (inertia * laws.normal_root);
+        (viscosity, laws.shear_damping * (inertia * laws.shear_root))
+    };
+    Pressed {
+        force: viscosity.times_plus(rate, s.elastic).max(laws.least_force),
+        stiffness: V::splat(8.0) * laws.g_star * s.a,
+        dashpot,
+    }
+}
+
 /// Hertz, and both dashpots.
 #[inline(always)]
 pub(super) fn press<V: Numbers, const ALIKE: bool>(p: &Pressing<V>, laws: &Laws<V>) -> Pressed<V> {
-    let delta = p.overlap.max(V::splat(if V::FAST { LEAST_OVERLAP } else { 0.0 }));
-    // Both dashpots go with the root of mass times contact radius.
-    let (a, inertia) = if V::FAST && ALIKE {
-        let [a, own] = (p.r_star * delta).both_roots();
-        (a, own * p.m_star.root())
-    } else {
-        let a = (p.r_star * delta).root();
-        (a, (p.m_star * a).root())
-    };
-    let (elastic, viscosity, dashpot) = if V::FUSED {
-        (laws.hertz * delta * a, laws.viscous * inertia, laws.dashpot * inertia)
-    } else {
-        let stiffness = V::splat(2.0) * laws.e_star * a;
-        let elastic = V::splat(2.0 / 3.0) * stiffness * delta;
-        let viscosity = laws.normal_damping * (inertia * laws.normal_root);
-        (elastic, viscosity, laws.shear_damping * (inertia * laws.shear_root))
-    };
-    Pressed {
-        force: viscosity.times_plus(p.rate, elastic).max(laws.least_force),
-        stiffness: V::splat(8.0) * laws.g_star * a,
-        dashpot,
-    }
+    damp(&squeeze::<V, ALIKE>(p, laws), [p.rate, p.m_star], laws)
 }
 
 /// Mindlin's spring, if nothing slid: `carried` over from before, as `before` tells.

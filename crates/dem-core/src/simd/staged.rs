@@ -15,7 +15,7 @@ use super::carried::Before;
 use super::gathering::{Batch, GROUPS, Gathered, Given, Seated, Sizes};
 use super::half::{Half, Which};
 use super::hertz_mindlin::{
-    Features, Laws, Motion, Pressed, Pressing, answer, hold, press, would_be,
+    Features, Laws, Motion, Pressed, Pressing, Squeezed, answer, damp, hold, squeeze, would_be,
 };
 use super::lanes::{Mask, Numbers, V3};
 use super::meeting::{Line, Slide, Spins, meet, slide, too_deep};
@@ -28,7 +28,8 @@ struct Met<const FUSED: bool> {
     touching: Which,
     inverse: Half<FUSED>,
     overlap: Half<FUSED>,
-    pressed: Pressed<Half<FUSED>>,
+    squeezed: Squeezed<Half<FUSED>>,
+    rate: Half<FUSED>,
 }
 
 /// How they move on each other.
@@ -37,6 +38,7 @@ struct Moved<const FUSED: bool> {
     slip: V3<Half<FUSED>>,
     rolling: V3<Half<FUSED>>,
     trial: V3<Half<FUSED>>,
+    pressed: Pressed<Half<FUSED>>,
 }
 
 /// What the loops hand over, group by group.
@@ -76,7 +78,13 @@ impl PairKernel<'_> {
                 self.gather::<FUSED, ALIKE, MORE>(&mut desk.gathered, batch, sinks.memory);
                 let left = acting.count - done;
                 let deep = self.press_all::<FUSED, ALIKE>(&mut desk, (batch, sinks), left, &laws);
-                self.move_all::<FUSED, ALIKE, MORE>(&mut desk, batch.pair.len(), next, sinks);
+                self.move_all::<FUSED, ALIKE, MORE>(
+                    &mut desk,
+                    batch.pair.len(),
+                    next,
+                    sinks,
+                    &laws,
+                );
                 self.answer_all::<FUSED, ALIKE, MORE>(&desk, batch, sinks, &laws);
                 deep
             };
@@ -166,7 +174,8 @@ impl PairKernel<'_> {
                 touching: met.touching,
                 inverse: met.inverse,
                 overlap: met.overlap,
-                pressed: press::<_, ALIKE>(&pressing, laws),
+                squeezed: squeeze::<_, ALIKE>(&pressing, laws),
+                rate,
             });
         }
         any_deep
@@ -190,6 +199,7 @@ impl PairKernel<'_> {
         groups: usize,
         next: Batch<'_>,
         sinks: Sinks,
+        laws: &Laws<Half<FUSED>>,
     ) {
         for g in 0..groups.min(GROUPS) {
             if let (Some(second), Some(pair)) = (next.second.get(g), next.pair.get(g)) {
@@ -206,6 +216,9 @@ impl PairKernel<'_> {
                     before,
                 )
             };
+            let to = desk.moved[g].as_mut_ptr();
+            let pressed = damp(&met.squeezed, [met.rate, sizes.reduced[1]], laws);
+            unsafe { (&raw mut (*to).pressed).write(pressed) };
             let line = Line::of(given.apart, met.inverse);
             let levers = Self::levers(&sizes, met.overlap);
             let spins = if FUSED && ALIKE && !MORE {
@@ -217,7 +230,6 @@ impl PairKernel<'_> {
             let Slide { slip, rolling, twist } =
                 slide::<_, ALIKE>(&line, given.approach, &spins, levers, self.dt);
             // Field by field: what is not needed here any more leaves the registers.
-            let to = desk.moved[g].as_mut_ptr();
             // SAFETY: room for it.
             unsafe {
                 (&raw mut (*to).normal).write(line.normal);
@@ -229,7 +241,7 @@ impl PairKernel<'_> {
                 [line.normal, slip],
                 twist,
                 Half::splat(self.dt),
-                &met.pressed,
+                &pressed,
                 (&given.old, &before),
                 features.form(),
                 met.touching,
@@ -262,7 +274,7 @@ impl PairKernel<'_> {
                 (given, met, desk.moved[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
             let used = met.touching;
-            let held = hold(laws, features, &met.pressed, moved.trial, given.old.stiffness, used);
+            let held = hold(laws, features, &moved.pressed, moved.trial, given.old.stiffness, used);
             let spring = Half::used_rows(held.spring, held.stiffness, used);
             for (at, spring) in pair.iter().zip(spring) {
                 // SAFETY: by the caller.
@@ -284,7 +296,7 @@ impl PairKernel<'_> {
                 radius_i: sizes.radii[0],
                 radius_j: sizes.radii[1],
             };
-            let mut out = answer::<_, ALIKE>(&motion, laws, features, &met.pressed, &held);
+            let mut out = answer::<_, ALIKE>(&motion, laws, features, &moved.pressed, &held);
             let mut of = [first, second];
             if MORE && self.spheres.clumps.is_some() {
                 // SAFETY: the group was gathered.
