@@ -29,7 +29,6 @@ struct Met<const FUSED: bool> {
     inverse: Half<FUSED>,
     overlap: Half<FUSED>,
     squeezed: Squeezed<Half<FUSED>>,
-    rate: Half<FUSED>,
 }
 
 /// How they move on each other.
@@ -152,7 +151,7 @@ impl PairKernel<'_> {
         let mut any_deep = Which::of(0);
         for (g, pairs) in batch.pair.iter().enumerate().take(GROUPS) {
             // SAFETY: by the caller.
-            let (Given { apart, end, old, .. }, sizes) = unsafe {
+            let (Given { apart, old, .. }, sizes) = unsafe {
                 (desk.gathered.given[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
             let valid = if 4 * g + 4 <= count {
@@ -167,15 +166,13 @@ impl PairKernel<'_> {
             if FUSED {
                 desk.before[g].write(met.before);
             }
-            let (rate, [r_star, m_star]) =
-                (Line::of(*apart, met.inverse).along(*end), sizes.reduced);
-            let pressing = Pressing { overlap: met.overlap, rate, r_star, m_star };
+            let [r_star, m_star] = sizes.reduced;
+            let pressing = Pressing { overlap: met.overlap, rate: met.overlap, r_star, m_star };
             desk.met[g].write(Met {
                 touching: met.touching,
                 inverse: met.inverse,
                 overlap: met.overlap,
                 squeezed: squeeze::<_, ALIKE>(&pressing, laws),
-                rate,
             });
         }
         any_deep
@@ -217,9 +214,10 @@ impl PairKernel<'_> {
                 )
             };
             let to = desk.moved[g].as_mut_ptr();
-            let pressed = damp(&met.squeezed, [met.rate, sizes.reduced[1]], laws);
-            unsafe { (&raw mut (*to).pressed).write(pressed) };
             let line = Line::of(given.apart, met.inverse);
+            let rate = line.along(given.end);
+            let pressed = damp(&met.squeezed, [rate, sizes.reduced[1]], laws);
+            unsafe { (&raw mut (*to).pressed).write(pressed) };
             let levers = Self::levers(&sizes, met.overlap);
             let spins = if FUSED && ALIKE && !MORE {
                 let [sum, difference] = given.spins;
