@@ -442,6 +442,17 @@ pub(crate) trait Quad: crate::integrate::Vector {
         let image = along_x.plus_times(Self::load(y), then.y).plus_times(Self::load(z), then.z);
         (self - (image + Self::load(shift))).length_squared()
     }
+    /// Note how far four of them are, as [`Quads::four_apart`].
+    #[inline(always)]
+    fn four_apart(now: &[Self; 4], then: &[Self; 4], frame: &[Record; 4], noted: &mut Apart<Self>) {
+        for (now, then) in now.iter().zip(then) {
+            Quads::apart(*now, *then, frame, noted);
+        }
+    }
+    /// These numbers, or a larger one instead of each that is less or no number.
+    fn at_least(self, other: f64) -> Self;
+    /// The largest of its numbers.
+    fn greatest(self) -> f64;
     /// As a record.
     #[inline(always)]
     fn record(self) -> Record {
@@ -467,6 +478,15 @@ impl Quad for Record {
     #[inline(always)]
     fn length_squared(self) -> f64 {
         self.vector().length_squared()
+    }
+    #[inline(always)]
+    fn at_least(self, other: f64) -> Self {
+        // All four are the same.
+        if other > self.x { Self::splat(other) } else { self }
+    }
+    #[inline(always)]
+    fn greatest(self) -> f64 {
+        self.x
     }
 }
 
@@ -557,11 +577,14 @@ impl<Q: Quad> Quads for Q {
         let then = then.record();
         let square = self.apart_squared(&then, frame);
         noted.beyond |= u8::from(!(square <= then.w));
-        let largest = noted.largest.record().x;
-        noted.largest = Q::load(&Record::splat(if square > largest { square } else { largest }));
+        noted.largest = noted.largest.at_least(square);
+    }
+    #[inline(always)]
+    fn four_apart(now: &[Self; 4], then: &[Self; 4], frame: &[Record; 4], noted: &mut Apart<Self>) {
+        Quad::four_apart(now, then, frame, noted);
     }
     #[inline(always)]
     fn largest(self) -> f64 {
-        self.record().x
+        self.greatest()
     }
 }

@@ -4,7 +4,9 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
+use super::avx::transpose;
 use super::lanes::{Apart, Quad, Quads};
+use crate::integrate::Vector;
 use crate::particles::Record;
 use crate::sums::Pull;
 
@@ -36,7 +38,7 @@ impl<const FUSED: bool> Mul<f64> for Four<FUSED> {
     }
 }
 
-impl<const FUSED: bool> crate::integrate::Vector for Four<FUSED> {
+impl<const FUSED: bool> Vector for Four<FUSED> {
     #[inline(always)]
     fn plus_times(self, o: Self, s: f64) -> Self {
         if !FUSED {
@@ -70,6 +72,52 @@ impl<const FUSED: bool> Quad for Four<FUSED> {
             _mm_cvtsd_f64(_mm_add_sd(sum, z))
         }
     }
+    #[inline(always)]
+    fn four_apart(now: &[Self; 4], then: &[Self; 4], frame: &[Record; 4], noted: &mut Apart<Self>) {
+        unsafe {
+            let [x, y, z, limits] = transpose(then[0].0, then[1].0, then[2].0, then[3].0);
+            let [x, y, z] = [Self(x), Self(y), Self(z)];
+            let [now_x, now_y, now_z, _] = transpose(now[0].0, now[1].0, now[2].0, now[3].0);
+            let [now_x, now_y, now_z] = [Self(now_x), Self(now_y), Self(now_z)];
+            let [a, b, c, shift] = frame;
+            let xx = along([x, y, z], now_x, [a.x, b.x, c.x, shift.x]);
+            let yy = along([x, y, z], now_y, [a.y, b.y, c.y, shift.y]);
+            let zz = along([x, y, z], now_z, [a.z, b.z, c.z, shift.z]);
+            let [xx, yy, zz] = [xx.0, yy.0, zz.0];
+            // In the order of `length_squared`: x and y, then z.
+            let squares = _mm256_add_pd(_mm256_add_pd(xx, yy), zz);
+            let beyond = _mm256_cmp_pd::<_CMP_NLE_UQ>(squares, limits);
+            noted.beyond |= _mm256_movemask_pd(beyond) as u8;
+            // Where one of them is no number this yields the second.
+            noted.largest.0 = _mm256_max_pd(squares, noted.largest.0);
+        }
+    }
+    #[inline(always)]
+    fn at_least(self, other: f64) -> Self {
+        Self(unsafe { _mm256_max_pd(_mm256_set1_pd(other), self.0) })
+    }
+    #[inline(always)]
+    fn greatest(self) -> f64 {
+        let Record { x, y, z, w } = self.record();
+        x.max(y).max(z.max(w))
+    }
+}
+
+/// Squares of how far four bodies are along one axis from where they were `then`, by that axis of the frame.
+///
+/// # Safety
+/// AVX2 is there.
+#[inline(always)]
+unsafe fn along<const FUSED: bool>(
+    then: [Four<FUSED>; 3],
+    now: Four<FUSED>,
+    axis: [f64; 4],
+) -> Four<FUSED> {
+    let image = (then[0] * axis[0]).plus_times(then[1], axis[1]).plus_times(then[2], axis[2]);
+    // SAFETY: by the caller.
+    let d = now - (image + Four(unsafe { _mm256_set1_pd(axis[3]) }));
+    // SAFETY: by the caller.
+    Four(unsafe { _mm256_mul_pd(d.0, d.0) })
 }
 
 /// Two records side by side.
@@ -100,7 +148,7 @@ impl<const FUSED: bool> Mul<f64> for Eight<FUSED> {
     }
 }
 
-impl<const FUSED: bool> crate::integrate::Vector for Eight<FUSED> {
+impl<const FUSED: bool> Vector for Eight<FUSED> {
     #[inline(always)]
     fn plus_times(self, o: Self, s: f64) -> Self {
         // SAFETY: as above.
