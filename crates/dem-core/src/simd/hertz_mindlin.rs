@@ -254,10 +254,10 @@ fn along<V: Numbers>(spin: V3<V>, limit: V) -> V3<V> {
 #[derive(Clone, Copy)]
 pub(super) struct Squeezed<V> {
     /// Radius of the contact.
-    a: V,
+    pub(super) a: V,
     /// Root of effective mass times that radius, where it comes with it.
-    inertia: Option<V>,
-    elastic: V,
+    pub(super) inertia: Option<V>,
+    pub(super) elastic: V,
 }
 
 /// Hertz, without dashpots.

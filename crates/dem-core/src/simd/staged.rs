@@ -28,7 +28,10 @@ struct Met<const FUSED: bool> {
     touching: Which,
     inverse: Half<FUSED>,
     overlap: Half<FUSED>,
-    squeezed: Squeezed<Half<FUSED>>,
+    /// Radius of the contact.
+    a: Half<FUSED>,
+    /// Force without dashpots.
+    elastic: Half<FUSED>,
 }
 
 /// How they move on each other.
@@ -168,11 +171,13 @@ impl PairKernel<'_> {
             }
             let [r_star, m_star] = sizes.reduced;
             let pressing = Pressing { overlap: met.overlap, rate: met.overlap, r_star, m_star };
+            let squeezed = squeeze::<_, ALIKE>(&pressing, laws);
             desk.met[g].write(Met {
                 touching: met.touching,
                 inverse: met.inverse,
                 overlap: met.overlap,
-                squeezed: squeeze::<_, ALIKE>(&pressing, laws),
+                a: squeezed.a,
+                elastic: squeezed.elastic,
             });
         }
         any_deep
@@ -203,21 +208,13 @@ impl PairKernel<'_> {
                 self.ask::<MORE>([second, pair], sinks.memory);
             }
             // SAFETY: by the caller.
-            let (given, met, sizes, before) = unsafe {
-                let before = if FUSED { desk.before[g].assume_init() } else { Before::nothing() };
+            let (given, met, sizes) = unsafe {
                 let sizes = self.sizes::<FUSED, ALIKE>(desk, g);
-                (
-                    desk.gathered.given[g].assume_init_ref(),
-                    desk.met[g].assume_init_ref(),
-                    sizes,
-                    before,
-                )
+                (desk.gathered.given[g].assume_init_ref(), desk.met[g].assume_init_ref(), sizes)
             };
             let to = desk.moved[g].as_mut_ptr();
             let line = Line::of(given.apart, met.inverse);
             let rate = line.along(given.end);
-            let pressed = damp(&met.squeezed, [rate, sizes.reduced[1]], laws);
-            unsafe { (&raw mut (*to).pressed).write(pressed) };
             let levers = Self::levers(&sizes, met.overlap);
             let spins = if FUSED && ALIKE && !MORE {
                 let [sum, difference] = given.spins;
@@ -234,6 +231,13 @@ impl PairKernel<'_> {
                 (&raw mut (*to).rolling).write(rolling);
                 (&raw mut (*to).slip).write(slip);
             }
+            let squeezed = Squeezed { a: met.a, inertia: None, elastic: met.elastic };
+            let pressed = damp(&squeezed, [rate, sizes.reduced[1]], laws);
+            // SAFETY: room for it; by the caller.
+            let before = unsafe {
+                (&raw mut (*to).pressed).write(pressed);
+                if FUSED { desk.before[g].assume_init() } else { Before::nothing() }
+            };
             let features = if MORE { self.features } else { Features::NONE };
             let trial = would_be(
                 [line.normal, slip],
