@@ -28,14 +28,12 @@ pub(super) struct Before<V> {
 /// normal: a spring of 1e-40 N.
 pub(super) const LEAST: f64 = 1e-80;
 
-/// Largest square of the sine of the angle between spring and tangential plane for the series: its next term is
-/// 3e-17.
+/// Largest square of the sine of the angle between spring and tangential plane, and of the twist, rad, together, for both series:
+/// their next terms are 3e-17 and 5e-16.
 const NEARLY_FLAT: f64 = 1e-4;
 /// `1 / sqrt(1 - x)` is one and these times the powers of `x`.
 const LENGTHS: [f64; 3] = [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0];
 
-/// Largest twist, rad, for the short series of the tangent in fused kernels: the next term is 5e-16.
-const SMALL_TWIST: f64 = 0.01;
 /// `tan x / x` is one and these times the powers of `x^2`.
 const TANGENT: [f64; 2] = [1.0 / 3.0, 2.0 / 15.0];
 
@@ -96,7 +94,7 @@ impl<V: Numbers> Before<V> {
             let flat = old.less_times(normal, self.along);
             let share = (k * self.over_stiffness).min(V::splat(most));
             // The cross product of the normal with its own part of the spring is nothing.
-            return self.turned_at_length(old, [flat, normal.cross(old)], twist, used) * share;
+            return self.turned_at_length(old, [flat, normal.cross(old)], [twist, share], used);
         }
         let flat = old.less_times(normal, old.dot(normal));
         let (flat2, size2) = (flat.dot(flat), old.dot(old));
@@ -109,14 +107,14 @@ impl<V: Numbers> Before<V> {
         carried * share
     }
 
-    /// The spring's part in the plane, `flat`, turned by the twist towards what stands at right angles to it, at the spring's
-    /// old length.
+    /// The spring's part in the plane, `flat`, turned by the twist towards what stands at right angles to it, at that share of
+    /// the spring's old length.
     #[inline(always)]
     fn turned_at_length(
         &self,
         spring: V3<V>,
         [flat, aside]: [V3<V>; 2],
-        twist: V,
+        [twist, share]: [V; 2],
         used: V::Mask,
     ) -> V3<V> {
         let one = V::splat(1.0);
@@ -129,13 +127,12 @@ impl<V: Numbers> Before<V> {
         let lacks = lost.times_plus(longer, lost - longer);
         let (a1, a2, a3) = (V::splat(LENGTHS[0]), V::splat(LENGTHS[1]), V::splat(LENGTHS[2]));
         let length = lacks.times_plus(lacks.times_plus(lacks.times_plus(a3, a2), a1), one);
-        let turned = aside.times_plus(tangent, flat) * length;
-        let far = V::splat(NEARLY_FLAT).less(lost) & used;
-        let large = V::splat(SMALL_TWIST).less(twist.abs()) & used;
-        if (far | large).is_empty() {
+        let turned = aside.times_plus(tangent, flat) * (length * share);
+        let far = V::splat(NEARLY_FLAT).less(lost + x2) & used;
+        if far.is_empty() {
             return turned;
         }
-        by_functions(spring, [flat, aside], twist).select(far | large, turned)
+        (by_functions(spring, [flat, aside], twist) * share).select(far, turned)
     }
 }
 
