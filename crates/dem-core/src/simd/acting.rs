@@ -24,7 +24,7 @@ pub(super) struct Room {
 }
 
 /// Pairs of a run that touch, or did when they were computed last: where their numbers begin, which is four times
-/// their place. Filled up to a whole block with one pair that does neither.
+/// their place. Filled up to a whole block with the place of a pair that does neither, and its spheres or those of a pair that acts.
 pub(super) struct Acting<'r> {
     /// In the run.
     pub(super) pair: &'r [u32],
@@ -90,8 +90,15 @@ impl PairKernel<'_> {
         let count = room.pack::<V>((first, second), acts);
         let idle = acts.iter().position(|acts| *acts != u8::MAX);
         let idle = idle.map_or(0, |k| 8 * k + acts[k].trailing_ones() as usize);
-        // As many lanes are idle as a last block lacks.
-        let at = |places: &[u32]| places.get(idle).copied().unwrap_or_default();
+        // As many lanes are idle as a last block lacks. Where they are no pairs, two spheres that are apart stand for them.
+        let of = if idle < run.pairs {
+            idle
+        } else {
+            acts.iter()
+                .position(|a| *a != 0)
+                .map_or(0, |k| 8 * k + acts[k].trailing_zeros() as usize)
+        };
+        let at = |places: &[u32]| places.get(of).copied().unwrap_or_default();
         room.fill_up(count, [idle as u32, at(run.first), at(run.second)]);
         let whole = count.next_multiple_of(8);
         // SAFETY: every number before `count` was packed, the others before `whole` were filled in.

@@ -260,18 +260,18 @@ pub(super) struct Squeezed<V> {
     pub(super) elastic: V,
 }
 
-/// Hertz, without dashpots.
+/// Hertz, without dashpots, by an overlap that is not negative, effective radius and effective mass.
 #[inline(always)]
 pub(super) fn squeeze<V: Numbers, const ALIKE: bool>(
-    p: &Pressing<V>,
+    delta: V,
+    [r_star, m_star]: [V; 2],
     laws: &Laws<V>,
 ) -> Squeezed<V> {
-    let delta = p.overlap.max(V::splat(if V::FAST { LEAST_OVERLAP } else { 0.0 }));
     let (a, inertia) = if V::FAST && ALIKE {
-        let [a, own] = (p.r_star * delta).both_roots();
-        (a, Some(own * p.m_star.root()))
+        let [a, own] = (r_star * delta).both_roots();
+        (a, Some(own * m_star.root()))
     } else {
-        ((p.r_star * delta).root(), None)
+        ((r_star * delta).root(), None)
     };
     let elastic = if V::FUSED {
         laws.hertz * delta * a
@@ -309,7 +309,8 @@ pub(super) fn damp<V: Numbers>(
 /// Hertz, and both dashpots.
 #[inline(always)]
 pub(super) fn press<V: Numbers, const ALIKE: bool>(p: &Pressing<V>, laws: &Laws<V>) -> Pressed<V> {
-    damp(&squeeze::<V, ALIKE>(p, laws), [p.rate, p.m_star], laws)
+    let delta = p.overlap.max(V::splat(if V::FAST { LEAST_OVERLAP } else { 0.0 }));
+    damp(&squeeze::<V, ALIKE>(delta, [p.r_star, p.m_star], laws), [p.rate, p.m_star], laws)
 }
 
 /// Mindlin's spring, if nothing slid: `carried` over from before, as `before` tells.

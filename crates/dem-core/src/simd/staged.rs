@@ -15,7 +15,7 @@ use super::carried::Before;
 use super::gathering::{Batch, GROUPS, Gathered, Given, Seated, Sizes};
 use super::half::{Half, Which};
 use super::hertz_mindlin::{
-    Features, Laws, Motion, Pressed, Pressing, Squeezed, answer, damp, hold, squeeze, would_be,
+    Features, Laws, Motion, Pressed, Squeezed, answer, damp, hold, squeeze, would_be,
 };
 use super::lanes::{Mask, Numbers, V3};
 use super::meeting::{Line, Slide, Spins, meet, slide, too_deep};
@@ -170,12 +170,13 @@ impl PairKernel<'_> {
                 desk.before[g].write(met.before);
             }
             let [r_star, m_star] = sizes.reduced;
-            let pressing = Pressing { overlap: met.overlap, rate: met.overlap, r_star, m_star };
-            let squeezed = squeeze::<_, ALIKE>(&pressing, laws);
+            // Nothing where they do not touch: nothing else comes of it then.
+            let overlap = met.overlap.only(met.touching);
+            let squeezed = squeeze::<_, ALIKE>(overlap, [r_star, m_star], laws);
             desk.met[g].write(Met {
                 touching: met.touching,
                 inverse: met.inverse,
-                overlap: met.overlap,
+                overlap,
                 a: squeezed.a,
                 elastic: squeezed.elastic,
             });
@@ -308,6 +309,7 @@ impl PairKernel<'_> {
                 out.torque_j = out.torque_j - arms[1].cross(out.force);
                 of = [&bodies[0], &bodies[1]];
             }
+            // Of those that do not touch they are nothing.
             let force = Half::rows(out.force, zero);
             let torques = [Half::rows(out.torque_i, zero), Half::rows(out.torque_j, zero)];
             // SAFETY: by the caller.
