@@ -41,6 +41,7 @@ pub(super) struct Given<const FUSED: bool> {
     pub(super) apart: V3<Half<FUSED>>,
     pub(super) approach: V3<Half<FUSED>>,
     pub(super) end: V3<Half<FUSED>>,
+    /// Of both; by fused kernels, of spheres that are alike by the usual law, their sum and the first's less the second's.
     pub(super) spins: [V3<Half<FUSED>>; 2],
     pub(super) old: Remembered<Half<FUSED>>,
 }
