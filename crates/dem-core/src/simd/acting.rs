@@ -91,13 +91,8 @@ impl PairKernel<'_> {
         let idle = acts.iter().position(|acts| *acts != u8::MAX);
         let idle = idle.map_or(0, |k| 8 * k + acts[k].trailing_ones() as usize);
         // As many lanes are idle as a last block lacks. Where they are no pairs, two spheres that are apart stand for them.
-        let of = if idle < run.pairs {
-            idle
-        } else {
-            acts.iter()
-                .position(|a| *a != 0)
-                .map_or(0, |k| 8 * k + acts[k].trailing_zeros() as usize)
-        };
+        // All pairs act then, so that the first one's are.
+        let of = if idle < run.pairs { idle } else { 0 };
         let at = |places: &[u32]| places.get(of).copied().unwrap_or_default();
         room.fill_up(count, [idle as u32, at(run.first), at(run.second)]);
         let whole = count.next_multiple_of(8);

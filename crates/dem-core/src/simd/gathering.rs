@@ -9,6 +9,7 @@ use super::carried::Remembered;
 use super::group::Group;
 use super::half::Half;
 use super::lanes::V3;
+use super::meeting::Spins;
 use super::pairs::PairKernel;
 use crate::spheres::{ClumpView, on_arm};
 
@@ -41,9 +42,27 @@ pub(super) struct Given<const FUSED: bool> {
     pub(super) apart: V3<Half<FUSED>>,
     pub(super) approach: V3<Half<FUSED>>,
     pub(super) end: V3<Half<FUSED>>,
-    /// Of both; by fused kernels, of spheres that are alike by the usual law, their sum and the first's less the second's.
+    /// Of both, or their sum and the first's less the second's (`by_sums`).
     pub(super) spins: [V3<Half<FUSED>>; 2],
     pub(super) old: Remembered<Half<FUSED>>,
+}
+
+/// Whether the laws need no more of spins than their sums and differences: `spins` of what is given holds those then.
+const fn by_sums(fused: bool, alike: bool, more: bool) -> bool {
+    fused && alike && !more
+}
+
+impl<const FUSED: bool> Given<FUSED> {
+    /// How both spheres spin.
+    #[inline(always)]
+    pub(super) fn spins<const ALIKE: bool, const MORE: bool>(&self) -> Spins<Half<FUSED>> {
+        if !by_sums(FUSED, ALIKE, MORE) {
+            return Spins::of(self.spins);
+        }
+        let [sum, difference] = self.spins;
+        // Nobody asks for each.
+        Spins { each: self.spins, sum, difference }
+    }
 }
 
 /// Of spheres that are not alike.
@@ -141,7 +160,7 @@ impl PairKernel<'_> {
                     let [approach, end] = Half::differences_of_twos(velocity, i, j);
                     (&raw mut (*to).approach).write(approach);
                     (&raw mut (*to).end).write(end);
-                    if FUSED && !MORE {
+                    if by_sums(FUSED, ALIKE, MORE) {
                         let [sum, less] = Half::sums_and_differences(spin, i, j);
                         (&raw mut (*to).spins[0]).write(sum);
                         (&raw mut (*to).spins[1]).write(less);

@@ -70,12 +70,6 @@ impl Not for Which {
 }
 
 impl Which {
-    /// All lanes.
-    #[inline(always)]
-    pub(super) fn all() -> Self {
-        Self::of(0xf)
-    }
-
     /// The lanes of the lowest four bits.
     #[inline(always)]
     pub(super) fn of(bits: u8) -> Self {

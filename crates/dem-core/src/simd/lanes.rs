@@ -514,12 +514,7 @@ pub(crate) trait Quads: crate::integrate::Vector {
     /// not within the scalars of that, squared.
     fn apart(self, then: Self, frame: &[Record; 4], noted: &mut Apart<Self>);
     /// The same of four of them.
-    #[inline(always)]
-    fn four_apart(now: &[Self; 4], then: &[Self; 4], frame: &[Record; 4], noted: &mut Apart<Self>) {
-        for (now, then) in now.iter().zip(then) {
-            now.apart(*then, frame, noted);
-        }
-    }
+    fn four_apart(now: &[Self; 4], then: &[Self; 4], frame: &[Record; 4], noted: &mut Apart<Self>);
     /// The largest of all numbers.
     fn largest(self) -> f64;
 }

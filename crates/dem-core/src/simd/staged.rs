@@ -13,12 +13,13 @@ use super::acting::Acting;
 use super::avx::{add_pair, put_quad};
 use super::carried::Before;
 use super::gathering::{Batch, GROUPS, Gathered, Given, Seated, Sizes};
+use super::group::Group;
 use super::half::{Half, Which};
 use super::hertz_mindlin::{
     Features, Laws, Motion, Pressed, Squeezed, answer, damp, hold, squeeze, would_be,
 };
 use super::lanes::{Mask, Numbers, V3};
-use super::meeting::{Line, Slide, Spins, meet, slide, too_deep};
+use super::meeting::{Line, Slide, meet, slide, too_deep};
 use super::pairs::{PairKernel, Sink, Sinks};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
@@ -158,7 +159,7 @@ impl PairKernel<'_> {
                 (desk.gathered.given[g].assume_init_ref(), self.sizes::<FUSED, ALIKE>(desk, g))
             };
             let valid = if 4 * g + 4 <= count {
-                Which::all()
+                Which::of(0xf)
             } else {
                 Which::of(lowest_bits(count.saturating_sub(4 * g)) & 0xf)
             };
@@ -217,12 +218,7 @@ impl PairKernel<'_> {
             let line = Line::of(given.apart, met.inverse);
             let rate = line.along(given.end);
             let levers = Self::levers(&sizes, met.overlap);
-            let spins = if FUSED && ALIKE && !MORE {
-                let [sum, difference] = given.spins;
-                Spins { each: given.spins, sum, difference }
-            } else {
-                Spins::of(given.spins)
-            };
+            let spins = given.spins::<ALIKE, MORE>();
             let Slide { slip, rolling, twist } =
                 slide::<_, ALIKE>(&line, given.approach, &spins, levers, self.dt);
             // Field by field: what is not needed here any more leaves the registers.
@@ -232,6 +228,7 @@ impl PairKernel<'_> {
                 (&raw mut (*to).rolling).write(rolling);
                 (&raw mut (*to).slip).write(slip);
             }
+            // Here that root never comes with the radius.
             let squeezed = Squeezed { a: met.a, inertia: None, elastic: met.elastic };
             let pressed = damp(&squeezed, [rate, sizes.reduced[1]], laws);
             // SAFETY: room for it; by the caller.
@@ -278,11 +275,8 @@ impl PairKernel<'_> {
             };
             let used = met.touching;
             let held = hold(laws, features, &moved.pressed, moved.trial, given.old.stiffness, used);
-            let spring = Half::used_rows(held.spring, held.stiffness, used);
-            for (at, spring) in pair.iter().zip(spring) {
-                // SAFETY: by the caller.
-                unsafe { put_quad(sinks.memory, *at, spring) };
-            }
+            // SAFETY: by the caller.
+            unsafe { Half::put_used(held.spring, held.stiffness, used, sinks.memory, pair) };
             let [lever_i, lever_j] = Self::levers(&sizes, met.overlap);
             // The usual laws do without spins.
             let [spin_i, spin_j] = if MORE { given.spins } else { [none; 2] };
