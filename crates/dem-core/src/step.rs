@@ -244,6 +244,6 @@ pub(crate) fn kernel_of<'a, M>(
         dt,
         overlap_limit: make.overlap_limit,
         arithmetic: make.arithmetic,
-        features: Features::of(all, spheres.clumps.is_some()),
+        features: Features::of(all),
     })
 }

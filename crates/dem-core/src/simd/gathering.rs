@@ -8,7 +8,7 @@ use super::acting::Acting;
 use super::carried::Remembered;
 use super::group::Group;
 use super::half::Half;
-use super::lanes::V3;
+use super::lanes::{Numbers, V3};
 use super::meeting::Spins;
 use super::pairs::PairKernel;
 use crate::spheres::{ClumpView, on_arm};
@@ -73,6 +73,13 @@ pub(super) struct Sizes<const FUSED: bool> {
     pub(super) reduced: [Half<FUSED>; 2],
 }
 
+impl<const FUSED: bool> Sizes<FUSED> {
+    #[inline(always)]
+    fn of([ri, rj]: [Half<FUSED>; 2], [mi, mj]: [Half<FUSED>; 2]) -> Self {
+        Self { radii: [ri, rj], reduced: [ri * rj / (ri + rj), mi * mj / (mi + mj)] }
+    }
+}
+
 /// Of spheres on clumps: where the numbers of their bodies begin, and where they sit on them.
 pub(super) struct Seated<const FUSED: bool> {
     pub(super) bodies: [[u32; 4]; 2],
@@ -134,7 +141,12 @@ impl PairKernel<'_> {
     /// # Safety
     /// AVX2 is there, every place is that of a sphere, and the contacts' memory begins at `memory`.
     #[inline(always)]
-    pub(super) unsafe fn gather<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
+    pub(super) unsafe fn gather<
+        const FUSED: bool,
+        const ALIKE: bool,
+        const MORE: bool,
+        const CLUMPS: bool,
+    >(
         &self,
         to: &mut Gathered<FUSED>,
         batch: Batch<'_>,
@@ -176,7 +188,18 @@ impl PairKernel<'_> {
                 if let Some(p) = self.period {
                     apart = apart.shortest(p);
                 }
-                let clumps = if MORE { s.clumps.as_ref() } else { None };
+                if CLUMPS
+                    && FUSED
+                    && let Some(c) = &s.clumps
+                {
+                    let (given, seated) = (to.given[g].as_mut_ptr(), to.seated[g].as_mut_ptr());
+                    (&raw mut (*given).apart).write(apart);
+                    (&raw mut (*given).old).write(old);
+                    let masses = self.gather_on_clumps(c, (given, seated), [i, j], [xi, xj]);
+                    to.sizes[g].write(Sizes::of([xi[3], xj[3]], masses));
+                    continue;
+                }
+                let clumps = if CLUMPS { s.clumps.as_ref() } else { None };
                 let (vi, vj, end, spins) = if let Some(c) = clumps {
                     let bodies = [c.bodies_of(i), c.bodies_of(j)];
                     let a = self.on_clump(c, &bodies[0], V3::of(xi));
@@ -189,13 +212,51 @@ impl PairKernel<'_> {
                         [V3::of(Half::quads::<1>(spin, i)), V3::of(Half::quads::<1>(spin, j))];
                     (Half::quads::<2>(velocity, i), Half::quads::<2>(velocity, j), end, spins)
                 };
-                let radii = [xi[3], xj[3]];
-                let reduced =
-                    [radii[0] * radii[1] / (radii[0] + radii[1]), vi[3] * vj[3] / (vi[3] + vj[3])];
-                to.sizes[g].write(Sizes { radii, reduced });
+                to.sizes[g].write(Sizes::of([xi[3], xj[3]], [vi[3], vj[3]]));
                 let approach = V3::of(vi) - V3::of(vj);
                 to.given[g].write(Given { apart, approach, end, spins, old });
             }
+        }
+    }
+
+    /// How spheres at `positions` on clumps move on each other, by fused kernels; returns the masses of their bodies.
+    ///
+    /// # Safety
+    /// As above.
+    #[inline(always)]
+    unsafe fn gather_on_clumps<const FUSED: bool>(
+        &self,
+        c: &ClumpView<'_>,
+        (given, seated): (*mut Given<FUSED>, *mut Seated<FUSED>),
+        [i, j]: [&[u32; 4]; 2],
+        positions: [[Half<FUSED>; 4]; 2],
+    ) -> [Half<FUSED>; 2] {
+        let s = &self.spheres;
+        let [mean, _] = s.numbers_of_velocities();
+        // SAFETY: by the caller.
+        unsafe {
+            let bodies = [c.bodies_of(i), c.bodies_of(j)];
+            (&raw mut (*seated).bodies).write(bodies);
+            let [mut approach, mut end] =
+                Half::differences_of_twos(s.velocities.as_ptr().cast(), &bodies[0], &bodies[1]);
+            for k in 0..2 {
+                let centre = V3::of(Half::quads::<1>(c.centre.as_ptr().cast(), &bodies[k]));
+                let arm = V3::of(positions[k]) - centre;
+                let spin = V3::of(Half::quads::<1>(s.mean_spin.as_ptr().cast(), &bodies[k]));
+                (&raw mut (*seated).arms[k]).write(arm);
+                (&raw mut (*given).spins[k]).write(spin);
+                let middle = arm.less_times(spin.cross(arm), Half::splat(0.5 * c.dt));
+                approach = if k == 0 {
+                    spin.cross_plus(middle, approach)
+                } else {
+                    middle.cross_plus(spin, approach)
+                };
+                let spin = V3::of(Half::quads::<1>(c.end_spin.as_ptr().cast(), &bodies[k]));
+                end = if k == 0 { spin.cross_plus(arm, end) } else { arm.cross_plus(spin, end) };
+            }
+            (&raw mut (*given).approach).write(approach);
+            (&raw mut (*given).end).write(end);
+            [Half::fields::<2>(mean.add(3), &bodies[0]), Half::fields::<2>(mean.add(3), &bodies[1])]
         }
     }
 
@@ -224,19 +285,27 @@ impl PairKernel<'_> {
         }
     }
 
-    /// Ask the memory for what contacts gather of their second spheres, and remember, by the places of both: first
-    /// spheres were those of contacts before.
+    /// Ask the memory for what contacts gather of their spheres, and remember, by the places of both and their own: first bodies
+    /// were those of contacts before.
     #[inline(always)]
-    pub(super) fn ask<const MORE: bool>(&self, group: [&[u32; 4]; 2], memory: *const f64) {
+    pub(super) fn ask<const CLUMPS: bool>(
+        &self,
+        [first, second, pair]: [&[u32; 4]; 3],
+        memory: *const f64,
+    ) {
         let s = &self.spheres;
-        let clumps = if MORE { s.clumps.as_ref() } else { None };
-        for (sphere, pair) in group[0].iter().zip(group[1]) {
+        let clumps = if CLUMPS { s.clumps.as_ref() } else { None };
+        if clumps.is_some() {
+            // No look has read where they are if contacts acted before; those of single spheres `one_pass.rs` asks for.
+            for sphere in first.iter().chain(second) {
+                ask_for(s.position.as_ptr().cast(), *sphere);
+            }
+        }
+        for (sphere, pair) in second.iter().zip(pair) {
             let body = clumps.map_or(*sphere, |c| 4 * c.body[(*sphere / 4) as usize]);
             ask_for(s.mean_spin.as_ptr().cast(), body);
             ask_for(s.velocities.as_ptr().cast(), 2 * body);
             if let Some(c) = clumps {
-                // No look has read it where the contact acted before; those of single spheres `one_pass.rs` asks for.
-                ask_for(s.position.as_ptr().cast(), *sphere);
                 ask_for(c.centre.as_ptr().cast(), body);
                 ask_for(c.end_spin.as_ptr().cast(), body);
             }

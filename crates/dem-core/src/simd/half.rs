@@ -186,6 +186,20 @@ impl<const FUSED: bool> Half<FUSED> {
         }
     }
 
+    /// Four numbers, at `EACH` times these places.
+    ///
+    /// # Safety
+    /// AVX2 is there and all of them can be read.
+    #[inline(always)]
+    pub(super) unsafe fn fields<const EACH: usize>(from: *const f64, at: &[u32; 4]) -> Self {
+        let [a, b, c, d] = at.map(
+            #[inline(always)]
+            |at| from.wrapping_add(EACH * at as usize),
+        );
+        // SAFETY: by the caller.
+        Self(unsafe { _mm256_setr_pd(*a, *b, *c, *d) })
+    }
+
     /// The vectors of four pairs of records, first and second ones, less those of four other pairs, whose numbers begin at twice
     /// that.
     ///

@@ -29,8 +29,6 @@ pub(crate) struct Features {
     /// Friction falls once any contact slides.
     stick_slip: bool,
     form: Form,
-    /// Spheres sit on clumps.
-    clumps: bool,
 }
 
 impl Features {
@@ -39,8 +37,12 @@ impl Features {
         cohesive: false,
         stick_slip: false,
         form: Form { total_spring: false, absolute_spin: false },
-        clumps: false,
     };
+
+    /// Whether laws are the usual ones.
+    pub(super) fn are_usual(self) -> bool {
+        self == Self::NONE
+    }
 
     /// Forms of the laws.
     pub(super) fn form(self) -> Form {
@@ -48,12 +50,11 @@ impl Features {
     }
 
     /// Those of a table of laws.
-    pub(crate) fn of(all: &[Constants], clumps: bool) -> Self {
+    pub(crate) fn of(all: &[Constants]) -> Self {
         Self {
             cohesive: all.iter().any(|c| c.energy_density > 0.0),
             stick_slip: all.iter().any(|c| c.kinetic != c.friction),
             form: all.first().map_or_else(Form::default, |c| c.form),
-            clumps,
         }
     }
 }

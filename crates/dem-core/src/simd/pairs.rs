@@ -141,7 +141,12 @@ impl PairKernel<'_> {
                 }
             }
             #[target_feature(enable = "avx2,fma,popcnt")]
-            unsafe fn avx2<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
+            unsafe fn avx2<
+                const FUSED: bool,
+                const ALIKE: bool,
+                const MORE: bool,
+                const CLUMPS: bool,
+            >(
                 k: &PairKernel<'_>,
                 run: &mut Run<'_>,
                 into: &mut ChunkYield,
@@ -152,32 +157,41 @@ impl PairKernel<'_> {
                     let acting = k.acting::<Pair<FUSED>>(run, &mut room);
                     if k.constants.len() == 1 {
                         let sinks = Sinks::of(run);
-                        return k.staged::<FUSED, ALIKE, MORE>(&acting, sinks, into);
+                        return k.staged::<FUSED, ALIKE, MORE, CLUMPS>(&acting, sinks, into);
                     }
-                    k.blocks::<Pair<FUSED>, ALIKE, MORE>(run, &acting, 0, into);
+                    if CLUMPS {
+                        k.blocks::<Pair<FUSED>, ALIKE, true>(run, &acting, 0, into);
+                    } else {
+                        k.blocks::<Pair<FUSED>, ALIKE, false>(run, &acting, 0, into);
+                    }
                 }
             }
             use super::avx2::Pair;
             use super::avx512::Wide;
             macro_rules! chosen {
-                ($alike:literal, $more:literal) => {
+                ($alike:literal, $more:literal, $clumps:literal) => {
                     match (level, self.arithmetic) {
                         (Level::Portable, _) => return,
-                        (Level::Avx512, Arithmetic::Exact) => avx512::<false, false, $alike, $more>,
-                        (Level::Avx512, Arithmetic::Fused) => avx512::<true, false, $alike, $more>,
-                        (Level::Avx512, Arithmetic::FastRoots) => {
-                            avx512::<true, true, $alike, $more>
+                        (Level::Avx512, Arithmetic::Exact) => {
+                            avx512::<false, false, $alike, $clumps>
                         }
-                        (Level::Avx2, Arithmetic::Exact) => avx2::<false, $alike, $more>,
-                        (Level::Avx2, _) => avx2::<true, $alike, $more>,
+                        (Level::Avx512, Arithmetic::Fused) => {
+                            avx512::<true, false, $alike, $clumps>
+                        }
+                        (Level::Avx512, Arithmetic::FastRoots) => {
+                            avx512::<true, true, $alike, $clumps>
+                        }
+                        (Level::Avx2, Arithmetic::Exact) => avx2::<false, $alike, $more, $clumps>,
+                        (Level::Avx2, _) => avx2::<true, $alike, $more, $clumps>,
                     }
                 };
             }
             let alike = self.one_size.is_some() && self.constants.len() == 1;
-            let of = match (self.features == Features::NONE, alike) {
-                (true, true) => chosen!(true, false),
-                (true, false) => chosen!(false, false),
-                (false, _) => chosen!(false, true),
+            let of = match (self.features.are_usual(), self.spheres.clumps.is_some(), alike) {
+                (true, false, true) => chosen!(true, false, false),
+                (true, false, false) => chosen!(false, false, false),
+                (true, true, _) => chosen!(false, false, true),
+                (false, ..) => chosen!(false, true, true),
             };
             // SAFETY: `level` comes from `Level::detect`, which asked the processor.
             unsafe { of(self, run, into) }

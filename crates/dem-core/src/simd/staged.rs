@@ -60,7 +60,12 @@ impl PairKernel<'_> {
     /// # Safety
     /// AVX2 is there, every place is that of a sphere, and the sinks hold what the pairs write.
     #[inline(always)]
-    pub(super) unsafe fn staged<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
+    pub(super) unsafe fn staged<
+        const FUSED: bool,
+        const ALIKE: bool,
+        const MORE: bool,
+        const CLUMPS: bool,
+    >(
         &self,
         acting: &Acting<'_>,
         sinks: Sinks,
@@ -78,17 +83,17 @@ impl PairKernel<'_> {
             let next = Batch::of(acting, done + 4 * batch.pair.len());
             // SAFETY: by the caller; each loop reads what those before it have written of the batch.
             let deep = unsafe {
-                self.gather::<FUSED, ALIKE, MORE>(&mut desk.gathered, batch, sinks.memory);
+                self.gather::<FUSED, ALIKE, MORE, CLUMPS>(&mut desk.gathered, batch, sinks.memory);
                 let left = acting.count - done;
                 let deep = self.press_all::<FUSED, ALIKE>(&mut desk, (batch, sinks), left, &laws);
-                self.move_all::<FUSED, ALIKE, MORE>(
+                self.move_all::<FUSED, ALIKE, MORE, CLUMPS>(
                     &mut desk,
                     batch.pair.len(),
                     next,
                     sinks,
                     &laws,
                 );
-                self.answer_all::<FUSED, ALIKE, MORE>(&desk, batch, sinks, &laws);
+                self.answer_all::<FUSED, ALIKE, MORE, CLUMPS>(&desk, batch, sinks, &laws);
                 deep
             };
             if !deep.is_empty() {
@@ -197,7 +202,12 @@ impl PairKernel<'_> {
     /// # Safety
     /// As above.
     #[inline(always)]
-    unsafe fn move_all<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
+    unsafe fn move_all<
+        const FUSED: bool,
+        const ALIKE: bool,
+        const MORE: bool,
+        const CLUMPS: bool,
+    >(
         &self,
         desk: &mut Desk<FUSED>,
         groups: usize,
@@ -206,8 +216,9 @@ impl PairKernel<'_> {
         laws: &Laws<Half<FUSED>>,
     ) {
         for g in 0..groups.min(GROUPS) {
-            if let (Some(second), Some(pair)) = (next.second.get(g), next.pair.get(g)) {
-                self.ask::<MORE>([second, pair], sinks.memory);
+            let next = (next.first.get(g), next.second.get(g), next.pair.get(g));
+            if let (Some(first), Some(second), Some(pair)) = next {
+                self.ask::<CLUMPS>([first, second, pair], sinks.memory);
             }
             // SAFETY: by the caller.
             let (given, met, sizes) = unsafe {
@@ -256,7 +267,12 @@ impl PairKernel<'_> {
     /// # Safety
     /// As above.
     #[inline(always)]
-    unsafe fn answer_all<const FUSED: bool, const ALIKE: bool, const MORE: bool>(
+    unsafe fn answer_all<
+        const FUSED: bool,
+        const ALIKE: bool,
+        const MORE: bool,
+        const CLUMPS: bool,
+    >(
         &self,
         desk: &Desk<FUSED>,
         batch: Batch<'_>,
@@ -295,7 +311,7 @@ impl PairKernel<'_> {
             };
             let mut out = answer::<_, ALIKE>(&motion, laws, features, &moved.pressed, &held);
             let mut of = [first, second];
-            if MORE && self.spheres.clumps.is_some() {
+            if CLUMPS && self.spheres.clumps.is_some() {
                 // SAFETY: the group was gathered.
                 let Seated { bodies, arms } = unsafe { desk.gathered.seated[g].assume_init_ref() };
                 // Torques about the centres of the bodies, which have the sums.
