@@ -2,7 +2,7 @@
 
 use crate::forces::Wrench;
 use crate::particles::{END, MEAN, Record, Velocities};
-use crate::simd::{Numbers, V3, fetch};
+use crate::simd::{Numbers, RECORD, V3, fetch};
 use crate::threads::View;
 
 /// What contacts gather from their spheres.
@@ -65,12 +65,12 @@ pub(crate) struct SphereMotion {
 }
 
 impl ClumpView<'_> {
-    /// Four times the places of the bodies of spheres, of whose places four times is given.
+    /// Where the records of the bodies of spheres begin, of which that is given.
     #[inline(always)]
     pub(crate) fn bodies_of<const N: usize>(&self, spheres: &[u32; N]) -> [u32; N] {
         let mut bodies = [0; N];
         for (body, sphere) in bodies.iter_mut().zip(spheres) {
-            *body = 4 * self.body[(sphere / 4) as usize];
+            *body = RECORD * self.body[(sphere / RECORD) as usize];
         }
         bodies
     }

@@ -5,7 +5,7 @@
 
 use std::mem::MaybeUninit;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, RECORD};
 use super::pairs::{PairKernel, Run};
 use crate::contact_stage::{CHUNK, TOGETHER};
 use crate::neighbour::search::lowest_bits;
@@ -23,8 +23,7 @@ pub(super) struct Room {
     second: [MaybeUninit<u32>; MOST],
 }
 
-/// Pairs of a run that touch, or did when they were computed last: where their numbers begin, which is four times
-/// their place. Filled up to a whole block with the place of a pair that does neither, and its spheres or those of a pair that acts.
+/// Pairs of a run that touch, or did when they were computed last: where their numbers begin. Filled up to a whole block with the place of a pair that does neither, and its spheres or those of a pair that acts.
 pub(super) struct Acting<'r> {
     /// In the run.
     pub(super) pair: &'r [u32],
@@ -61,7 +60,7 @@ impl Room {
         let whole = count.next_multiple_of(8);
         let to = [(&mut self.pair, pair), (&mut self.first, first), (&mut self.second, second)];
         for (to, place) in to {
-            to[count..whole].fill(MaybeUninit::new(4 * place));
+            to[count..whole].fill(MaybeUninit::new(RECORD * place));
         }
     }
 }
@@ -143,7 +142,8 @@ impl PairKernel<'_> {
             let mut touching = unsafe { self.near::<V, 1>(first, second) };
             touching &= lowest_bits(still - 8 * k);
             while touching != 0 {
-                let place = pair[8 * k + touching.trailing_zeros() as usize] as usize / 4;
+                let place = pair[8 * k + touching.trailing_zeros() as usize] / RECORD;
+                let place = place as usize;
                 acts[place / 8] |= 1 << (place % 8);
                 active[place / 8][place % 8] = 1;
                 touching &= touching - 1;

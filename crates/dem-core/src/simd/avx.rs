@@ -4,14 +4,20 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-/// Four numbers from `EACH` times a place on.
+/// Four numbers from `EACH` times a beginning on, which is counted by halves of a number.
 ///
 /// # Safety
 /// AVX is there and the four numbers of the quad can be read.
 #[inline(always)]
 pub(super) unsafe fn quad<const EACH: usize>(from: *const f64, at: u32) -> __m256d {
     // SAFETY: by the caller. The product is one of addresses: of places it would be cut off and widened again.
-    unsafe { _mm256_loadu_pd(from.add(EACH * at as usize)) }
+    unsafe { _mm256_loadu_pd(beginning(from, EACH * at as usize)) }
+}
+
+/// Where numbers begin, counted by halves of them.
+#[inline(always)]
+pub(super) fn beginning(from: *const f64, at: usize) -> *const f64 {
+    from.cast::<f32>().wrapping_add(at).cast()
 }
 
 /// # Safety
@@ -19,15 +25,15 @@ pub(super) unsafe fn quad<const EACH: usize>(from: *const f64, at: u32) -> __m25
 #[inline(always)]
 pub(super) unsafe fn put_quad(to: *mut f64, at: u32, four: __m256d) {
     // SAFETY: by the caller.
-    unsafe { _mm256_storeu_pd(to.add(at as usize), four) }
+    unsafe { _mm256_storeu_pd(to.cast::<f32>().add(at as usize).cast(), four) }
 }
 
-/// As [`Lanes::pack_fours`].
+/// As [`Lanes::pack_begins`].
 ///
 /// # Safety
 /// AVX2 is there.
 #[inline(always)]
-pub(super) unsafe fn pack_fours(
+pub(super) unsafe fn pack_begins(
     places: &[u32; 8],
     order: &[u8; 8],
     to: &mut [MaybeUninit<u32>; 8],
@@ -36,22 +42,22 @@ pub(super) unsafe fn pack_fours(
     unsafe {
         let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
         let places = _mm256_loadu_si256(places.as_ptr().cast());
-        let picked = _mm256_slli_epi32::<2>(_mm256_permutevar8x32_epi32(places, order));
+        let picked = _mm256_slli_epi32::<3>(_mm256_permutevar8x32_epi32(places, order));
         _mm256_storeu_si256(to.as_mut_ptr().cast(), picked);
     }
 }
 
-/// As [`Lanes::pack_own_fours`].
+/// As [`Lanes::pack_own`].
 ///
 /// # Safety
 /// AVX2 is there.
 #[inline(always)]
-pub(super) unsafe fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+pub(super) unsafe fn pack_own(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
     // SAFETY: by the caller; the arrays are as long as what is read and written.
     unsafe {
         let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.as_ptr().cast()));
         let own = _mm256_add_epi32(order, _mm256_set1_epi32(begin.cast_signed()));
-        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_slli_epi32::<2>(own));
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_slli_epi32::<3>(own));
     }
 }
 
@@ -90,7 +96,7 @@ pub(super) unsafe fn two(at: *const u32) -> [u32; 2] {
     [both as u32, (both >> 32) as u32]
 }
 
-/// Where the sums of spheres begin, of whose places four times is given.
+/// Where the sums of spheres begin, of whose records that is given.
 ///
 /// # Safety
 /// AVX2 is there.
@@ -101,7 +107,7 @@ pub(super) unsafe fn sums_at(within: u32, places: &[u32; 8]) -> SumsAt {
     unsafe {
         let places = _mm256_loadu_si256(places.as_ptr().cast());
         let own = _mm256_and_si256(places, _mm256_set1_epi32(within.cast_signed()));
-        _mm256_storeu_si256(at.as_mut_ptr().cast(), _mm256_slli_epi32::<1>(own));
+        _mm256_storeu_si256(at.as_mut_ptr().cast(), own);
     }
     SumsAt(at)
 }

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::avx::{add_pair, mask4, pack_fours, pack_own_fours, put_quad, quad, sums_at, transpose};
+use super::avx::{add_pair, mask4, pack_begins, pack_own, put_quad, quad, sums_at, transpose};
 use super::lanes::{Lanes, Numbers, V3};
 
 /// Eight lanes of two AVX2 registers, likewise.
@@ -204,12 +204,12 @@ impl<const FUSED: bool> Lanes for Pair<FUSED> {
         }
     }
     #[inline(always)]
-    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
-        unsafe { pack_fours(places, order, to) }
+    fn pack_begins(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+        unsafe { pack_begins(places, order, to) }
     }
     #[inline(always)]
-    fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
-        unsafe { pack_own_fours(begin, order, to) }
+    fn pack_own(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+        unsafe { pack_own(begin, order, to) }
     }
     #[inline(always)]
     unsafe fn differences<const EACH: usize>(

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::avx::{pack_fours, pack_own_fours, put_quad, quad, sums_at, two};
+use super::avx::{pack_begins, pack_own, put_quad, quad, sums_at, two};
 use super::group::Group;
 use super::lanes::{Lanes, Numbers, V3};
 
@@ -457,8 +457,8 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
         }
     }
     #[inline(always)]
-    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
-        unsafe { pack_fours(places, order, to) }
+    fn pack_begins(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+        unsafe { pack_begins(places, order, to) }
     }
     #[inline(always)]
     fn pack_marked(
@@ -474,7 +474,7 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
         // as were read before.
         unsafe {
             let mut own =
-                _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60);
+                _mm512_setr_epi32(0, 8, 16, 24, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 120);
             let [pair, of_first, of_second] = room.map(|room| room.as_mut_ptr().cast::<i32>());
             let from = [first.as_ptr().cast::<i32>(), second.as_ptr().cast::<i32>()];
             for (k, marked) in bits.as_chunks().0.iter().enumerate() {
@@ -482,26 +482,26 @@ impl<const FUSED: bool, const FAST: bool> Lanes for Wide<FUSED, FAST> {
                 let first = _mm512_loadu_si512(from[0].add(16 * k).cast());
                 let second = _mm512_loadu_si512(from[1].add(16 * k).cast());
                 put_marked(own, pair.add(count), marked);
-                put_marked(_mm512_slli_epi32::<2>(first), of_first.add(count), marked);
-                put_marked(_mm512_slli_epi32::<2>(second), of_second.add(count), marked);
+                put_marked(_mm512_slli_epi32::<3>(first), of_first.add(count), marked);
+                put_marked(_mm512_slli_epi32::<3>(second), of_second.add(count), marked);
                 count += marked.count_ones() as usize;
-                own = _mm512_add_epi32(own, _mm512_set1_epi32(64));
+                own = _mm512_add_epi32(own, _mm512_set1_epi32(128));
             }
             if let [marked] = bits.as_chunks::<2>().1 {
                 let (at, marked) = (8 * (blocks - 1), u16::from(*marked));
                 let first = _mm512_maskz_loadu_epi32(0xFF, from[0].add(at));
                 let second = _mm512_maskz_loadu_epi32(0xFF, from[1].add(at));
                 put_marked(own, pair.add(count), marked);
-                put_marked(_mm512_slli_epi32::<2>(first), of_first.add(count), marked);
-                put_marked(_mm512_slli_epi32::<2>(second), of_second.add(count), marked);
+                put_marked(_mm512_slli_epi32::<3>(first), of_first.add(count), marked);
+                put_marked(_mm512_slli_epi32::<3>(second), of_second.add(count), marked);
                 count += marked.count_ones() as usize;
             }
         }
         count
     }
     #[inline(always)]
-    fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
-        unsafe { pack_own_fours(begin, order, to) }
+    fn pack_own(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]) {
+        unsafe { pack_own(begin, order, to) }
     }
     #[inline(always)]
     unsafe fn differences<const EACH: usize>(

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::lanes::{Lanes, Numbers, V3};
+use super::lanes::{Lanes, Numbers, RECORD, V3};
 use super::{Level, widened};
 use crate::body_stage::Farthest;
 use crate::particles::Record;
@@ -168,7 +168,7 @@ impl Turning<'_> {
         assert!(group.iter().all(|k| *k < bodies));
         let mut at = [0; 8];
         for (at, k) in at.iter_mut().zip(group) {
-            *at = 4 * *k as u32;
+            *at = RECORD * *k as u32;
         }
         let (inverse, reach) = self.inverse_and_reach::<V>(group);
         // SAFETY of these and of what is put there: all columns have the bodies of the group.
@@ -301,7 +301,7 @@ impl Placing<'_> {
         assert!(k + 8 <= self.attitude.len() && k + 8 <= self.centre.len());
         let mut own = [0; 8];
         for (lane, at) in own.iter_mut().enumerate() {
-            *at = 4 * (k + lane) as u32;
+            *at = RECORD * (k + lane) as u32;
         }
         // SAFETY: as was just asked.
         let (attitude, centre) =
@@ -313,7 +313,7 @@ impl Placing<'_> {
         assert!(end <= self.position.len());
         let to = self.position[begin..].as_mut_ptr().cast();
         for (nth, s) in spheres.iter().enumerate() {
-            let at: [u32; 8] = std::array::from_fn(|lane| 4 * (lane * step + nth) as u32);
+            let at: [u32; 8] = std::array::from_fn(|lane| RECORD * (lane * step + nth) as u32);
             let (x, radius) = (centre + arm(axes, s.centre), V::splat(s.radius));
             // SAFETY: eight bodies of as many spheres lie within the slice.
             unsafe {

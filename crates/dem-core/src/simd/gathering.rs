@@ -5,10 +5,11 @@ use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use std::mem::MaybeUninit;
 
 use super::acting::Acting;
+use super::avx::beginning;
 use super::carried::Remembered;
 use super::group::Group;
 use super::half::Half;
-use super::lanes::{Numbers, V3};
+use super::lanes::{Numbers, RECORD, V3};
 use super::meeting::Spins;
 use super::pairs::PairKernel;
 use crate::spheres::{ClumpView, on_arm};
@@ -131,7 +132,7 @@ pub(super) unsafe fn remembered<V: Group<N>, const N: usize>(
 #[inline(always)]
 fn ask_for(from: *const f64, at: u32) {
     // SAFETY: nothing is read.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(from.wrapping_add(at as usize).cast()) }
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(beginning(from, at as usize).cast()) }
 }
 
 impl PairKernel<'_> {
@@ -302,7 +303,7 @@ impl PairKernel<'_> {
             }
         }
         for (sphere, pair) in second.iter().zip(pair) {
-            let body = clumps.map_or(*sphere, |c| 4 * c.body[(*sphere / 4) as usize]);
+            let body = clumps.map_or(*sphere, |c| RECORD * c.body[(*sphere / RECORD) as usize]);
             ask_for(s.mean_spin.as_ptr().cast(), body);
             ask_for(s.velocities.as_ptr().cast(), 2 * body);
             if let Some(c) = clumps {

@@ -4,7 +4,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::avx::{mask4, put_quad, quad, transpose};
+use super::avx::{beginning, mask4, put_quad, quad, transpose};
 use super::group::Group;
 use super::lanes::{Mask, Numbers, V3};
 
@@ -186,7 +186,7 @@ impl<const FUSED: bool> Half<FUSED> {
         }
     }
 
-    /// Four numbers, at `EACH` times these places.
+    /// Four numbers, which begin at `EACH` times that.
     ///
     /// # Safety
     /// AVX2 is there and all of them can be read.
@@ -194,7 +194,7 @@ impl<const FUSED: bool> Half<FUSED> {
     pub(super) unsafe fn fields<const EACH: usize>(from: *const f64, at: &[u32; 4]) -> Self {
         let [a, b, c, d] = at.map(
             #[inline(always)]
-            |at| from.wrapping_add(EACH * at as usize),
+            |at| beginning(from, EACH * at as usize),
         );
         // SAFETY: by the caller.
         Self(unsafe { _mm256_setr_pd(*a, *b, *c, *d) })

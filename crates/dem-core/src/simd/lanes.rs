@@ -148,7 +148,7 @@ impl Numbers for f64 {
 pub(crate) trait Lanes: Numbers<Mask = u8> {
     fn load(from: &[f64; 8]) -> Self;
     fn store(self, to: &mut [f64; 8]);
-    /// Four numbers from `EACH` times each of eight places on, one vector for each of the four.
+    /// Four numbers from `EACH` times each of eight beginnings on, counted by halves of a number, one vector for each of the four.
     ///
     /// # Safety
     /// All of them can be read.
@@ -159,7 +159,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// All of them can be written.
     unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[u32; 8]);
     /// Add eight wrenches (force, torques on the first and on the second sphere, as fields) one after the other
-    /// to the sums of their spheres: of four times the place counts what is `within`, and twice that far lie
+    /// to the sums of their spheres: of where their numbers begin counts what is `within`, and twice that far lie
     /// four numbers of force (the second sphere feels the opposite) and four of torque.
     ///
     /// # Safety
@@ -171,7 +171,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
         first: &[u32; 8],
         second: &[u32; 8],
     );
-    /// Four numbers from `EACH` times each of eight places on, less those of eight others.
+    /// Four numbers from `EACH` times each of eight beginnings on, less those of eight others.
     ///
     /// # Safety
     /// All of them can be read.
@@ -200,10 +200,10 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
             [apart, approach, end, V3::of(spins[0]), V3::of(spins[1])]
         }
     }
-    /// Where the numbers of records begin that `order` picks among eight: at four times their places.
-    fn pack_fours(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
+    /// Where the numbers of records begin that `order` picks among eight, of which the places are given.
+    fn pack_begins(places: &[u32; 8], order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
     /// The same of eight places that follow each other from `begin` on.
-    fn pack_own_fours(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
+    fn pack_own(begin: u32, order: &[u8; 8], to: &mut [MaybeUninit<u32>; 8]);
     /// Of the pairs of blocks those that `bits` marks: where their numbers in the run begin, and those of their spheres. Behind them,
     /// as far as a register goes, anything is written. Returns how many they are.
     #[inline(always)]
@@ -216,11 +216,11 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
         for (k, ((first, second), bits)) in first.iter().zip(second).zip(bits).enumerate() {
             let order = &SET_BITS[usize::from(*bits)];
             if let Some(to) = pair[count..].first_chunk_mut() {
-                Self::pack_own_fours(8 * k as u32, order, to);
+                Self::pack_own(8 * k as u32, order, to);
             }
             for (from, to) in [(first, &mut *of_first), (second, &mut *of_second)] {
                 if let Some(to) = to[count..].first_chunk_mut() {
-                    Self::pack_fours(from, order, to);
+                    Self::pack_begins(from, order, to);
                 }
             }
             count += bits.count_ones() as usize;
@@ -235,7 +235,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     unsafe fn gather(records: View<'_, Record>, places: &[u32; 8]) -> [Self; 4] {
         debug_assert!(places.iter().all(|p| (*p as usize) < records.len()));
         // SAFETY: by the caller; a record is four numbers.
-        unsafe { Self::quads::<4>(records.as_ptr().cast(), places) }
+        unsafe { Self::quads::<8>(records.as_ptr().cast(), places) }
     }
     /// The first and the second ones of pairs of records, eight pairs at these places.
     ///
@@ -247,26 +247,32 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
         // SAFETY: by the caller; a pair of records is eight numbers.
         unsafe {
             let from: *const f64 = pairs.as_ptr().cast();
-            [Self::quads::<8>(from, places), Self::quads::<8>(from.add(4), places)]
+            [Self::quads::<16>(from, places), Self::quads::<16>(from.add(4), places)]
         }
     }
     /// Eight records from their fields.
     #[inline(always)]
     fn scatter(fields: [Self; 4], to: &mut [Record; 8]) {
         // SAFETY: eight records are eight times four numbers.
-        unsafe { Self::put_quads(fields, to.as_mut_ptr().cast(), &[0, 4, 8, 12, 16, 20, 24, 28]) }
+        unsafe {
+            Self::put_quads(fields, to.as_mut_ptr().cast(), &begins(&[0, 1, 2, 3, 4, 5, 6, 7]))
+        }
     }
 }
 
+/// A record as its beginning is counted: by halves of a number, since addresses take what is counted times one, four or eight.
+/// So those of records, of pairs of them and of sums need no arithmetic.
+pub(crate) const RECORD: u32 = 8;
+
 /// Where the numbers of records begin.
 #[inline(always)]
-pub(super) fn fours<const N: usize>(places: &[u32; N]) -> [u32; N] {
-    let mut fours = [0; N];
+pub(super) fn begins<const N: usize>(places: &[u32; N]) -> [u32; N] {
+    let mut begins = [0; N];
     // Not by `map`: its closure would not be compiled for the instructions of the kernel.
-    for (four, place) in fours.iter_mut().zip(places) {
-        *four = 4 * place;
+    for (begin, place) in begins.iter_mut().zip(places) {
+        *begin = RECORD * place;
     }
-    fours
+    begins
 }
 
 /// Along a periodic axis, the shortest of the images of `x`.

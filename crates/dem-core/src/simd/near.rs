@@ -19,7 +19,7 @@ impl ToldOfBlock for u8 {
     #[inline(always)]
     unsafe fn of<V: Lanes>(kernel: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> Self {
         // SAFETY: by the caller.
-        unsafe { kernel.near::<V, 4>(first, second) }
+        unsafe { kernel.near::<V, 8>(first, second) }
     }
 }
 
@@ -28,7 +28,7 @@ impl ToldOfBlock for [f64; 8] {
     #[inline(always)]
     unsafe fn of<V: Lanes>(kernel: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> Self {
         // SAFETY: by the caller.
-        let (d2, sum) = unsafe { kernel.apart::<V, 4>(first, second) };
+        let (d2, sum) = unsafe { kernel.apart::<V, 8>(first, second) };
         let mut gaps = [0.0; 8];
         (d2.sqrt() - sum).store(&mut gaps);
         gaps
@@ -105,7 +105,7 @@ impl PairKernel<'_> {
         }
     }
 
-    /// Bits of those that touch, of spheres at `EACH` quarters of what is given.
+    /// Bits of those that touch, of spheres whose records begin at `EACH` times that.
     ///
     /// # Safety
     /// Every place is that of a sphere.
@@ -120,7 +120,7 @@ impl PairKernel<'_> {
         d2.less(sum * sum)
     }
 
-    /// Squares of the distances of centres, and sums of radii, of spheres at `EACH` quarters of what is given.
+    /// Squares of the distances of centres, and sums of radii, of spheres whose records begin at `EACH` times that.
     ///
     /// # Safety
     /// Every place is that of a sphere.

@@ -5,7 +5,7 @@ use super::acting::{Acting, Room};
 use super::blocks::{Blocks, MOST, Two};
 use super::carried::Remembered;
 use super::hertz_mindlin::{Features, Held, Laws, Motion, Out, Pressing, respond};
-use super::lanes::{Numbers, V3};
+use super::lanes::{Numbers, RECORD, V3};
 use super::meeting::{Line, Slide, Spins, meet, slide};
 use super::{Arithmetic, Constants, Level};
 use crate::forces::ChunkYield;
@@ -58,7 +58,7 @@ pub(super) struct Sinks {
 pub(super) enum Sink {
     /// Force, torques on the first and on the second sphere.
     Kept([*mut f64; 3]),
-    /// The sums, and what of four times a place counts.
+    /// The sums, and what counts of where a record begins.
     Summed(*mut f64, u32),
 }
 
@@ -72,7 +72,9 @@ impl Sinks {
         let mut left = lanes;
         while left != 0 {
             // SAFETY: by the caller.
-            unsafe { *self.active.add(pairs[left.trailing_zeros() as usize] as usize / 4) = 0 };
+            unsafe {
+                *self.active.add((pairs[left.trailing_zeros() as usize] / RECORD) as usize) = 0
+            };
             left &= left - 1;
         }
     }
@@ -88,7 +90,7 @@ impl Sinks {
                 }
                 Wrenches::Summed(sums) => {
                     assert!(sums.len().is_power_of_two(), "places are taken modulo the length");
-                    Sink::Summed(sums.as_mut_ptr().cast(), (sums.len() as u32 - 1) * 4)
+                    Sink::Summed(sums.as_mut_ptr().cast(), (sums.len() as u32 - 1) * RECORD)
                 }
             },
         }
@@ -240,7 +242,7 @@ impl PairKernel<'_> {
     #[cold]
     pub(super) fn note_deep(&self, deep: u8, first: &[u32], second: &[u32], into: &mut ChunkYield) {
         for lane in (0..first.len()).filter(|l| deep >> l & 1 != 0) {
-            let (i, j) = (first[lane] / 4, second[lane] / 4);
+            let (i, j) = (first[lane] / RECORD, second[lane] / RECORD);
             let (a, b) = (self.spheres.position[i as usize], self.spheres.position[j as usize]);
             let d = crate::neighbour::Period::shortest(self.period, b.vector() - a.vector());
             let overlap = a.w + b.w - d.length();
@@ -443,11 +445,9 @@ pub(super) unsafe fn difference<V: Blocks, const EACH: usize, T>(
     less: &[[u32; 8]],
     alike: Option<f64>,
 ) -> (V3<V>, [V; 2]) {
-    debug_assert!(
-        of.iter().chain(less).flatten().all(|at| {
-            EACH * (*at as usize) * size_of::<f64>() < records.len() * size_of::<T>()
-        })
-    );
+    debug_assert!(of.iter().chain(less).flatten().all(|at| {
+        EACH * (*at as usize) * size_of::<f64>() / 2 < records.len() * size_of::<T>()
+    }));
     let from = records.as_ptr().cast();
     // SAFETY: by the caller.
     unsafe {

@@ -336,7 +336,7 @@ impl PairKernel<'_> {
                         for k in 0..4 {
                             let at = of.map(
                                 #[inline(always)]
-                                |places| 2 * (places[k] & within),
+                                |places| places[k] & within,
                             );
                             add_pair(to, at, [force[k], torques[0][k], torques[1][k]]);
                         }

@@ -8,7 +8,7 @@
 use super::carried::{Before, Remembered};
 use super::facing::{Faced, Near, brush, face, nearest, nearest_alone};
 use super::hertz_mindlin::{Laws, SLOTS, respond};
-use super::lanes::{Lanes, V3, fours};
+use super::lanes::{Lanes, V3, begins};
 use super::pairs::{PairKernel, on_clump};
 use super::{Arithmetic, Level, widened};
 use crate::forces::{ChunkYield, TOUCHES};
@@ -216,7 +216,7 @@ impl PairKernel<'_> {
             let p = V::gather(s.position, &g.places);
             match &s.clumps {
                 Some(c) => {
-                    let own = on_clump::<V>(s, c, &[fours(&g.places)], V3::of(p));
+                    let own = on_clump::<V>(s, c, &[begins(&g.places)], V3::of(p));
                     (p, own.mean_velocity, own.mean_spin, own.end_velocity)
                 }
                 None => {

@@ -9,7 +9,7 @@ use super::facing::{Faced, Near, brush, face, nearest, nearest_alone};
 use super::gathering::{GROUPS, remembered};
 use super::group::Group;
 use super::hertz_mindlin::{Laws, Motion, Pressed, SLOTS, answer, hold, press, would_be};
-use super::lanes::{Numbers, V3, fours};
+use super::lanes::{Numbers, RECORD, V3, begins};
 use super::pairs::PairKernel;
 use super::wall::WallRun;
 use crate::forces::{ChunkYield, TOUCHES};
@@ -45,7 +45,7 @@ struct Moved<V> {
 
 /// What the loops hand over, group by group.
 struct Desk<V: Numbers, const N: usize> {
-    /// Entries of the list, and four times the places of their spheres.
+    /// Entries of the list, and where the records of their spheres begin.
     entries: [[u32; N]; GROUPS],
     places: [[u32; N]; GROUPS],
     given: [MaybeUninit<Given<V>>; GROUPS],
@@ -91,7 +91,7 @@ impl PairKernel<'_> {
                 if deep != 0 {
                     let overlap = faced.pressing.overlap.each();
                     for lane in (0..N).filter(|lane| deep >> lane & 1 != 0) {
-                        let sphere = desk.places[g][lane] / 4;
+                        let sphere = desk.places[g][lane] / RECORD;
                         let radius = self.spheres.position[sphere as usize].w;
                         into.note_overlap(overlap[lane] / radius, sphere, u32::from(wall), true);
                     }
@@ -129,7 +129,7 @@ impl PairKernel<'_> {
                     velocity: V3::of(v),
                     spin: V3::of(V::quads::<1>(s.mean_spin.as_ptr().cast(), places)),
                     end: V3::of(V::quads::<2>(end, places)),
-                    old: remembered(memory, &fours(&entries)),
+                    old: remembered(memory, &begins(&entries)),
                     near,
                 });
             }
@@ -144,7 +144,7 @@ impl PairKernel<'_> {
         places: &[u32; N],
     ) -> Near<V> {
         let fields = places.map(|p| {
-            let x = self.spheres.position[(p / 4) as usize].vector();
+            let x = self.spheres.position[(p / RECORD) as usize].vector();
             nearest_alone(wall, x).unwrap_or_default()
         });
         let field = |f: usize| V::from(fields.map(|own| own[f]));
@@ -244,13 +244,13 @@ impl PairKernel<'_> {
             for (lane, entry) in desk.entries[g].iter().enumerate() {
                 run.active[*entry as usize] = if touching >> lane & 1 != 0 { TOUCHES } else { 0 };
             }
-            let fours = fours(&desk.entries[g]);
+            let begins = begins(&desk.entries[g]);
             // SAFETY: by the caller.
             unsafe {
-                V::put_used(out.force, zero, used, run.force.as_mut_ptr().cast(), &fours);
-                V::put_used(out.torque_i, zero, used, run.torque.as_mut_ptr().cast(), &fours);
-                V::put_used(on_wall, zero, used, run.on_wall.as_mut_ptr().cast(), &fours);
-                V::put_used(held.spring, held.stiffness, used, memory, &fours);
+                V::put_used(out.force, zero, used, run.force.as_mut_ptr().cast(), &begins);
+                V::put_used(out.torque_i, zero, used, run.torque.as_mut_ptr().cast(), &begins);
+                V::put_used(on_wall, zero, used, run.on_wall.as_mut_ptr().cast(), &begins);
+                V::put_used(held.spring, held.stiffness, used, memory, &begins);
             }
         }
     }
@@ -267,7 +267,7 @@ impl<V: Group<N>, const N: usize> Desk<V, N> {
             own[..group.len()].copy_from_slice(group);
             self.entries[g] = own;
             for (place, e) in self.places[g].iter_mut().zip(own) {
-                *place = 4 * sphere[e as usize];
+                *place = RECORD * sphere[e as usize];
             }
         }
         groups
