@@ -10,7 +10,7 @@ use crate::energy::Flow;
 use crate::integrate::Integrator;
 use crate::particles::{END, MEAN, Record};
 use crate::rigid::{Clump, spin_of};
-use crate::simd::{Level, OnBodies as _, Placing, Quad, Since, Turning};
+use crate::simd::{Arithmetic, Level, OnBodies as _, Placing, Quad, Since, Turning};
 use crate::sums::{PIECE, Pull, Seated};
 use crate::threads::{cut, cut_groups};
 use crate::world::{BodyYield, SPHERE, World};
@@ -30,6 +30,7 @@ pub(crate) struct Turns<'a> {
     turn: DQuat,
     dt: f64,
     level: Level,
+    arithmetic: Arithmetic,
 }
 
 /// Attitudes of some bodies, their spins foretold for the end of a step, and where their spheres are.
@@ -64,7 +65,7 @@ impl Turns<'_> {
             since,
             farthest: &mut farthest,
         };
-        turning.run(self.level);
+        turning.run(self.level, self.arithmetic);
         farthest
     }
 
@@ -87,7 +88,7 @@ impl Turns<'_> {
             first: &self.first[own.start..=own.end],
             position: spheres,
         };
-        placing.run(self.level);
+        placing.run(self.level, self.arithmetic);
         farthest
     }
 
@@ -177,6 +178,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             turn: turn.quaternion(),
             dt: make.dt,
             level: make.level,
+            arithmetic: make.arithmetic,
         }
     }
 
@@ -232,7 +234,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         if !self.has_clumps() {
             return;
         }
-        let (level, shapes) = (self.make.level, &self.make.shapes);
+        let (level, arithmetic, shapes) =
+            (self.make.level, self.make.arithmetic, &self.make.shapes);
         let (b, m) = (&self.state.bodies, &mut self.state.members);
         let (first, attitude, shape) = (&m.first, &m.attitude, &m.shape);
         let count = b.len().div_ceil(CHUNK);
@@ -246,7 +249,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 first: &first[own.start..=own.end],
                 position,
             };
-            placing.run(level);
+            placing.run(level, arithmetic);
         });
     }
 }

@@ -79,8 +79,8 @@ pub(crate) fn free_turn<V: Numbers>(
     let half = spin * V::splat(0.5 * dt);
     let [x, y, z, w] = attitude;
     let own = V3 { x, y, z };
-    let (v, w) = (own + half * w + own.cross(half), w - own.dot(half));
-    let size = V::splat(1.0) / (v.dot(v) + w * w).sqrt();
+    let (v, w) = (own.cross_plus(half, half.times_plus(w, own)), w - own.dot(half));
+    let size = V::splat(1.0) / w.times_plus(w, v.dot(v)).sqrt();
     let v = v * size;
     FreeTurn { attitude: [v.x, v.y, v.z, w * size], mean_spin: turned(attitude, spin) }
 }
@@ -100,7 +100,7 @@ pub(crate) fn spin_of<V: Numbers>(
 fn turned<V: Numbers>([x, y, z, w]: [V; 4], v: V3<V>) -> V3<V> {
     let own = V3 { x, y, z };
     let across = own.cross(v) * V::splat(2.0);
-    v + across * w + own.cross(across)
+    own.cross_plus(across, across.times_plus(w, v))
 }
 
 /// A vector of the laboratory in the body.
@@ -114,13 +114,14 @@ fn turned_back<V: Numbers>([x, y, z, w]: [V; 4], v: V3<V>) -> V3<V> {
 pub(crate) fn axes_of<V: Numbers>([x, y, z, w]: [V; 4]) -> [V3<V>; 3] {
     let one = V::splat(1.0);
     let (x2, y2, z2) = (x + x, y + y, z + z);
-    let (xx, xy, xz) = (x * x2, x * y2, x * z2);
-    let (yy, yz, zz) = (y * y2, y * z2, z * z2);
     let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    let zz = z * z2;
+    let (xx_zz, yy_zz, xx_yy) =
+        (x.times_plus(x2, zz), y.times_plus(y2, zz), x.times_plus(x2, y * y2));
     [
-        V3 { x: one - (yy + zz), y: xy + wz, z: xz - wy },
-        V3 { x: xy - wz, y: one - (xx + zz), z: yz + wx },
-        V3 { x: xz + wy, y: yz - wx, z: one - (xx + yy) },
+        V3 { x: one - yy_zz, y: x.times_plus(y2, wz), z: x.times_less(z2, wy) },
+        V3 { x: x.times_less(y2, wz), y: one - xx_zz, z: y.times_plus(z2, wx) },
+        V3 { x: x.times_plus(z2, wy), y: y.times_less(z2, wx), z: one - xx_yy },
     ]
 }
 
@@ -133,7 +134,7 @@ fn middle_momentum<V: Numbers>(inverse: V3<V>, start: V3<V>, dt: f64) -> V3<V> {
     let mut middle = start;
     let mut open = V::splat(0.0).less(V::splat(1.0));
     for _ in 0..SWEEPS {
-        let next = start + middle.cross(middle.times(inverse)) * half;
+        let next = middle.cross(middle.times(inverse)).times_plus(half, start);
         let change = next - middle;
         middle = next.select(open, middle);
         open = open & limit.less(change.dot(change));

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::lanes::{Lanes, Numbers, RECORD, V3};
-use super::{Level, widened};
+use super::{Arithmetic, Level, widened};
 use crate::body_stage::Farthest;
 use crate::particles::Record;
 use crate::rigid::{Clump, axes_of, free_turn, spin_of};
@@ -16,16 +16,24 @@ pub(crate) trait OnBodies: Sized {
     /// Do it for eight at a time: the same operations on each.
     fn eights<V: Lanes>(&mut self);
     /// Do it with the registers of `level`.
-    fn run(mut self, level: Level) {
+    fn run(mut self, level: Level, arithmetic: Arithmetic) {
         widened(
             level,
             #[inline(always)]
-            || match level {
+            || {
                 #[cfg(target_arch = "x86_64")]
-                Level::Avx512 => self.eights::<super::avx512::Wide<false, false>>(),
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx2 => self.eights::<super::avx2::Pair<false>>(),
-                _ => self.one_by_one(),
+                {
+                    use super::{avx2::Pair, avx512::Wide};
+                    match (level, arithmetic) {
+                        (Level::Portable, _) => self.one_by_one(),
+                        (Level::Avx512, Arithmetic::Exact) => self.eights::<Wide<false, false>>(),
+                        (Level::Avx512, _) => self.eights::<Wide<true, false>>(),
+                        (Level::Avx2, Arithmetic::Exact) => self.eights::<Pair<false>>(),
+                        (Level::Avx2, _) => self.eights::<Pair<true>>(),
+                    }
+                }
+                #[cfg(not(target_arch = "x86_64"))]
+                self.one_by_one();
             },
         );
     }
@@ -75,18 +83,18 @@ fn moved_since<V: Numbers>(
     [then, now]: [[V; 4]; 2],
     reach: V,
 ) -> V {
-    let image = x * reference.x + y * reference.y + z * reference.z + shift;
+    let image = z.times_plus(reference.z, y.times_plus(reference.y, x * reference.x)) + shift;
     let d = position - image;
     let [a, b, c, w] = turn;
     let [p, q, r, v] = then;
     let (t, o) = (V3 { x: a, y: b, z: c }, V3 { x: p, y: q, z: r });
-    let turned = o * w + t * v + t.cross(o);
+    let turned = t.cross_plus(o, t.times_plus(v, o * w));
     let scalar = w * v - t.dot(o);
     let (own, l) = (V3 { x: now[0], y: now[1], z: now[2] }, now[3]);
     let (minus, plus) = (own - turned, own + turned);
     let (less, more) = (l - scalar, l + scalar);
-    let nearer = (minus.dot(minus) + less * less).min(plus.dot(plus) + more * more);
-    d.dot(d).sqrt() + reach * V::splat(2.0) * nearer.sqrt()
+    let nearer = less.times_plus(less, minus.dot(minus)).min(more.times_plus(more, plus.dot(plus)));
+    nearer.sqrt().times_plus(reach * V::splat(2.0), d.dot(d).sqrt())
 }
 
 /// What comes of a turn.
@@ -106,7 +114,7 @@ fn turned<V: Numbers>(
     dt: f64,
 ) -> Turned<V> {
     let kick = torque * V::splat(0.5 * dt);
-    let momentum = momentum + kick;
+    let momentum = torque.times_plus(V::splat(0.5 * dt), momentum);
     let turn = free_turn(inverse, attitude, momentum, dt);
     let end_spin = spin_of(inverse, turn.attitude, momentum + kick);
     Turned { attitude: turn.attitude, mean_spin: turn.mean_spin, end_spin, momentum }
@@ -245,10 +253,14 @@ pub(crate) struct Placing<'a> {
     pub(crate) position: &'a mut [Record],
 }
 
-/// Where a sphere of the body's frame is, from the body's centre.
+/// Where a sphere at `own` of the body's frame is, by the body's axes and centre.
 #[inline(always)]
-fn arm<V: Numbers>([x, y, z]: [V3<V>; 3], centre: DVec3) -> V3<V> {
-    x * V::splat(centre.x) + y * V::splat(centre.y) + z * V::splat(centre.z)
+fn place<V: Numbers>([x, y, z]: [V3<V>; 3], centre: V3<V>, own: DVec3) -> V3<V> {
+    let [a, b, c] = [V::splat(own.x), V::splat(own.y), V::splat(own.z)];
+    if V::FUSED {
+        return z.times_plus(c, y.times_plus(b, x.times_plus(a, centre)));
+    }
+    centre + (x * a + y * b + z * c)
 }
 
 impl OnBodies for Placing<'_> {
@@ -261,14 +273,14 @@ impl OnBodies for Placing<'_> {
         let mut k = 0;
         while k < self.shape.len() {
             let shape = self.shape[k];
-            let eight = self.shape[k..].first_chunk::<8>();
-            if shape != SPHERE && eight.is_some_and(|e| e.iter().all(|s| *s == shape)) {
-                self.eight::<V>(k, shape);
-                k += 8;
-            } else {
+            if shape == SPHERE {
                 self.one(k);
                 k += 1;
+                continue;
             }
+            let alike = self.shape[k..].iter().take(8).take_while(|s| **s == shape).count();
+            self.some::<V>(k, alike, shape);
+            k += alike;
         }
     }
 }
@@ -290,35 +302,34 @@ impl Placing<'_> {
         }
         let axes = axes_of(self.attitude[k].to_array());
         for (nth, s) in self.shapes[self.shape[k] as usize].spheres.iter().enumerate() {
-            let a = DVec3::from(arm(axes, s.centre));
-            self.position[begin + nth] = Record::new(centre.vector() + a, s.radius);
+            let own = DVec3::from(place(axes, centre.vector().into(), s.centre));
+            self.position[begin + nth] = Record::new(own, s.radius);
         }
     }
 
-    /// Place the spheres of eight bodies of one shape.
+    /// Place the spheres of up to eight bodies of one shape, from `k` on.
     #[inline(always)]
-    fn eight<V: Lanes>(&mut self, k: usize, shape: u32) {
-        assert!(k + 8 <= self.attitude.len() && k + 8 <= self.centre.len());
-        let mut own = [0; 8];
-        for (lane, at) in own.iter_mut().enumerate() {
-            *at = RECORD * (k + lane) as u32;
+    fn some<V: Lanes>(&mut self, k: usize, count: usize, shape: u32) {
+        assert!(k + count <= self.attitude.len() && k + count <= self.centre.len());
+        let spheres = &self.shapes[shape as usize].spheres;
+        let (begin, step) = (self.begin(k), spheres.len());
+        assert!(count > 0 && begin + count * step <= self.position.len());
+        let (mut own, mut at) = ([0; 8], [0; 8]);
+        for (lane, (own, at)) in own.iter_mut().zip(&mut at).enumerate() {
+            // Lanes beyond the last do what it does.
+            let lane = lane.min(count - 1);
+            *own = RECORD * (k + lane) as u32;
+            *at = RECORD * (lane * step) as u32;
         }
         // SAFETY: as was just asked.
         let (attitude, centre) =
             unsafe { (attitudes::<V>(self.attitude, &own), records::<V>(self.centre, &own)) };
         let (axes, centre) = (axes_of(attitude), V3::of(centre));
-        let spheres = &self.shapes[shape as usize].spheres;
-        let (begin, step) = (self.begin(k), spheres.len());
-        let end = begin + 8 * step;
-        assert!(end <= self.position.len());
-        let to = self.position[begin..].as_mut_ptr().cast();
+        let to = self.position[begin..].as_mut_ptr();
         for (nth, s) in spheres.iter().enumerate() {
-            let at: [u32; 8] = std::array::from_fn(|lane| RECORD * (lane * step + nth) as u32);
-            let (x, radius) = (centre + arm(axes, s.centre), V::splat(s.radius));
-            // SAFETY: eight bodies of as many spheres lie within the slice.
-            unsafe {
-                V::put_quads([x.x, x.y, x.z, radius], to, &at);
-            }
+            let (x, radius) = (place(axes, centre, s.centre), V::splat(s.radius));
+            // SAFETY: bodies of as many spheres lie within the slice.
+            unsafe { V::put_quads([x.x, x.y, x.z, radius], to.add(nth).cast(), &at) }
         }
     }
 }

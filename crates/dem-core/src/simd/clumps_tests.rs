@@ -92,7 +92,7 @@ fn moved(level: Level) -> Bodies {
             since,
             farthest: &mut farthest,
         }
-        .run(level);
+        .run(level, Arithmetic::Exact);
         b.farthest.push(farthest.square);
         assert!(farthest.too_far);
     }
@@ -104,7 +104,7 @@ fn moved(level: Level) -> Bodies {
         first: &b.first,
         position: &mut b.position,
     }
-    .run(level);
+    .run(level, Arithmetic::Exact);
     b
 }
 
