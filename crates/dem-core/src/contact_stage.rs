@@ -123,9 +123,9 @@ pub(crate) fn all_contacts<M: ContactLaw>(
             let begin = runs[c] as usize;
             let end = begin + active.len();
             let nearest = nearest.get(begin..end).unwrap_or_default();
-            let (sphere, wall) = (&sphere[begin..end], &wall[begin..end]);
+            let entries = (&sphere[begin..end], &wall[begin..end]);
             let parts = (active, numbers, force, torque, on_wall, &mut *into);
-            wall_contacts(context, vector, slots, sphere, wall, nearest, parts);
+            wall_contacts(context, vector, (slots, true), entries, nearest, parts);
             into[0].tell(&mut told[0]);
         },
     };
@@ -297,12 +297,13 @@ fn place_on_meshes<M: ContactLaw>(
     nearest.clear();
 }
 
+/// Contacts of some entries of the wall list. `clear` says that entries without a mark have no wrench already: those that stay
+/// without one are left alone then.
 pub(crate) fn wall_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
-    slots: usize,
-    sphere: &[u32],
-    wall: &[u16],
+    (slots, clear): (usize, bool),
+    (sphere, wall): (&[u32], &[u16]),
     mesh_nearest: &[Option<Nearest>],
     (active, numbers, force, torque, on_wall, into): PairParts<'_>,
 ) {
@@ -310,8 +311,9 @@ pub(crate) fn wall_contacts<M: ContactLaw>(
     into.reset();
     if let (Some((level, kernel)), true) = (vector, mesh_nearest.is_empty()) {
         let walls = context.walls;
+        let memory = numbers;
         let mut run =
-            WallRun { walls, sphere, wall, active, memory: numbers, force, torque, on_wall };
+            WallRun { walls, sphere, wall, active, memory, force, torque, on_wall, clear };
         kernel.wall_contacts(level, &mut run, into);
         return;
     }

@@ -81,6 +81,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let old = (&s.old_pairs, new_place);
         state.pairs.fill(spheres, slots, &s.found, old, seats, &self.team);
         self.list_walls(sorted);
+        // Entries without a mark have no wrench.
+        self.scratch.wrenches.clear_walls();
         let (state, s) = (&mut self.state, &mut self.scratch);
         let (position, reserve) = (&state.bodies.position, &s.reserve);
         state.list.reference.make_room(position.len(), Record::ZERO);

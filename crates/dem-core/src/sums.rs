@@ -301,9 +301,12 @@ impl Collect<'_> {
             }
         }
         let own = self.walls.start[begin] as usize..self.walls.start[end] as usize;
-        let wrenches = w.wall_force[own.clone()].iter().zip(&w.wall_torque[own.clone()]);
-        for (&a, (f, t)) in self.walls.sphere[own].iter().zip(wrenches) {
-            to.add_about_sphere(a, f, t);
+        for entry in own {
+            // Without a mark there is no wrench. Where several steps are under way the marks are not those of this one.
+            if self.walls.active.get(entry) != Some(&0) {
+                let (f, t) = (&w.wall_force[entry], &w.wall_torque[entry]);
+                to.add_about_sphere(self.walls.sphere[entry], f, t);
+            }
         }
     }
 }

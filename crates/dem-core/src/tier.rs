@@ -131,8 +131,9 @@ impl Ahead<'_> {
                 &mut w.wall_torque_on_wall[own.clone()],
                 &mut *into,
             );
-            let (sphere, wall) = (&walls.sphere[own.clone()], &walls.wall[own]);
-            wall_contacts(context, self.vector, walls.slots, sphere, wall, &[], parts);
+            let entries = (&walls.sphere[own.clone()], &walls.wall[own]);
+            // The wrenches are those of a tier, which had other steps before.
+            wall_contacts(context, self.vector, (walls.slots, false), entries, &[], parts);
             tier.deep[1] = deeper(tier.deep[1], into[0].deep.take());
             tier.walls += 1;
         }

@@ -182,6 +182,11 @@ impl Wrenches {
     pub(crate) fn walls(&mut self) -> [&mut Column<Record>; 3] {
         [&mut self.wall_force, &mut self.wall_torque, &mut self.wall_torque_on_wall]
     }
+
+    /// No wall acts on any sphere.
+    pub(crate) fn clear_walls(&mut self) {
+        self.walls().into_iter().for_each(|column| column.fill(Record::ZERO));
+    }
 }
 
 /// Buffers that can be made anew from the state.

@@ -28,6 +28,8 @@ pub(crate) struct WallRun<'a> {
     pub(crate) force: &'a mut [Record],
     pub(crate) torque: &'a mut [Record],
     pub(crate) on_wall: &'a mut [Record],
+    /// Entries without a mark have no wrench already.
+    pub(crate) clear: bool,
 }
 
 /// Most entries that are collected before they are computed.
@@ -77,7 +79,7 @@ impl PairKernel<'_> {
             let centre = &self.spheres.position[run.sphere[e] as usize];
             let wall = &run.walls[run.wall[e] as usize];
             let misses = run.active[e] == 0 && wall.misses(centre.vector(), centre.w);
-            if misses {
+            if misses && !run.clear {
                 run.force[e] = Record::ZERO;
                 run.torque[e] = Record::ZERO;
                 run.on_wall[e] = Record::ZERO;
