@@ -2,7 +2,7 @@
 
 use crate::forces::Wrench;
 use crate::particles::{END, MEAN, Record, Velocities};
-use crate::simd::{Numbers, RECORD, V3, fetch};
+use crate::simd::{Numbers, V3, fetch};
 use crate::threads::View;
 
 /// What contacts gather from their spheres.
@@ -62,18 +62,6 @@ pub(crate) struct SphereMotion {
     pub(crate) mean_spin: Record,
     /// Velocity of its centre foretold for now; charge.
     pub(crate) end_velocity: Record,
-}
-
-impl ClumpView<'_> {
-    /// Where the records of the bodies of spheres begin, of which that is given.
-    #[inline(always)]
-    pub(crate) fn bodies_of<const N: usize>(&self, spheres: &[u32; N]) -> [u32; N] {
-        let mut bodies = [0; N];
-        for (body, sphere) in bodies.iter_mut().zip(spheres) {
-            *body = RECORD * self.body[(sphere / RECORD) as usize];
-        }
-        bodies
-    }
 }
 
 impl SphereView<'_> {
@@ -152,4 +140,22 @@ pub(crate) fn on_arm<V: Numbers>(
     // The mean of the arms at both ends of the step, which the mean spin turns.
     let middle = arm - spin.cross(arm) * V::splat(0.5 * dt);
     [velocity + spin.cross(middle), end + end_spin.cross(arm)]
+}
+
+/// The same of one of two spheres, by fused kernels: added to how their bodies' centres move on each other, mean and foretold,
+/// or as the `second` one's taken away.
+#[inline(always)]
+pub(crate) fn between<V: Numbers>(
+    [velocity, end]: [V3<V>; 2],
+    arm: V3<V>,
+    [spin, end_spin]: [V3<V>; 2],
+    dt: f64,
+    second: bool,
+) -> [V3<V>; 2] {
+    let middle = arm.less_times(spin.cross(arm), V::splat(0.5 * dt));
+    if second {
+        [middle.cross_plus(spin, velocity), arm.cross_plus(end_spin, end)]
+    } else {
+        [spin.cross_plus(middle, velocity), end_spin.cross_plus(arm, end)]
+    }
 }

@@ -9,10 +9,10 @@ use super::avx::beginning;
 use super::carried::Remembered;
 use super::group::Group;
 use super::half::Half;
-use super::lanes::{Numbers, RECORD, V3};
+use super::lanes::V3;
 use super::meeting::Spins;
-use super::pairs::PairKernel;
-use crate::spheres::{ClumpView, on_arm};
+use super::pairs::{PairKernel, bodies_of};
+use crate::spheres::{ClumpView, between, on_arm};
 
 /// Groups of four in a batch: what lies between the loops of spheres alike are 10 kB.
 pub(super) const GROUPS: usize = 8;
@@ -128,11 +128,11 @@ pub(super) unsafe fn remembered<V: Group<N>, const N: usize>(
     Remembered { spring: V3 { x, y, z }, stiffness }
 }
 
-/// Ask the memory for four numbers.
+/// Ask the memory for four numbers from `EACH` times a beginning on.
 #[inline(always)]
-fn ask_for(from: *const f64, at: u32) {
+fn ask_for<const EACH: usize>(from: *const f64, at: u32) {
     // SAFETY: nothing is read.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(beginning(from, at as usize).cast()) }
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(beginning(from, EACH * at as usize).cast()) }
 }
 
 impl PairKernel<'_> {
@@ -202,7 +202,7 @@ impl PairKernel<'_> {
                 }
                 let clumps = if CLUMPS { s.clumps.as_ref() } else { None };
                 let (vi, vj, end, spins) = if let Some(c) = clumps {
-                    let bodies = [c.bodies_of(i), c.bodies_of(j)];
+                    let bodies = [bodies_of(c, i), bodies_of(c, j)];
                     let a = self.on_clump(c, &bodies[0], V3::of(xi));
                     let b = self.on_clump(c, &bodies[1], V3::of(xj));
                     to.seated[g].write(Seated { bodies, arms: [a.arm, b.arm] });
@@ -236,9 +236,9 @@ impl PairKernel<'_> {
         let [mean, _] = s.numbers_of_velocities();
         // SAFETY: by the caller.
         unsafe {
-            let bodies = [c.bodies_of(i), c.bodies_of(j)];
+            let bodies = [bodies_of(c, i), bodies_of(c, j)];
             (&raw mut (*seated).bodies).write(bodies);
-            let [mut approach, mut end] =
+            let mut moves =
                 Half::differences_of_twos(s.velocities.as_ptr().cast(), &bodies[0], &bodies[1]);
             for k in 0..2 {
                 let centre = V3::of(Half::quads::<1>(c.centre.as_ptr().cast(), &bodies[k]));
@@ -246,17 +246,11 @@ impl PairKernel<'_> {
                 let spin = V3::of(Half::quads::<1>(s.mean_spin.as_ptr().cast(), &bodies[k]));
                 (&raw mut (*seated).arms[k]).write(arm);
                 (&raw mut (*given).spins[k]).write(spin);
-                let middle = arm.less_times(spin.cross(arm), Half::splat(0.5 * c.dt));
-                approach = if k == 0 {
-                    spin.cross_plus(middle, approach)
-                } else {
-                    middle.cross_plus(spin, approach)
-                };
-                let spin = V3::of(Half::quads::<1>(c.end_spin.as_ptr().cast(), &bodies[k]));
-                end = if k == 0 { spin.cross_plus(arm, end) } else { arm.cross_plus(spin, end) };
+                let end_spin = V3::of(Half::quads::<1>(c.end_spin.as_ptr().cast(), &bodies[k]));
+                moves = between(moves, arm, [spin, end_spin], c.dt, k == 1);
             }
-            (&raw mut (*given).approach).write(approach);
-            (&raw mut (*given).end).write(end);
+            (&raw mut (*given).approach).write(moves[0]);
+            (&raw mut (*given).end).write(moves[1]);
             [Half::fields::<2>(mean.add(3), &bodies[0]), Half::fields::<2>(mean.add(3), &bodies[1])]
         }
     }
@@ -288,8 +282,11 @@ impl PairKernel<'_> {
 
     /// Ask the memory for what contacts gather of their spheres, and remember, by the places of both and their own: first bodies
     /// were those of contacts before.
+    ///
+    /// # Safety
+    /// They are spheres.
     #[inline(always)]
-    pub(super) fn ask<const CLUMPS: bool>(
+    pub(super) unsafe fn ask<const CLUMPS: bool>(
         &self,
         [first, second, pair]: [&[u32; 4]; 3],
         memory: *const f64,
@@ -299,18 +296,19 @@ impl PairKernel<'_> {
         if clumps.is_some() {
             // No look has read where they are if contacts acted before; those of single spheres `one_pass.rs` asks for.
             for sphere in first.iter().chain(second) {
-                ask_for(s.position.as_ptr().cast(), *sphere);
+                ask_for::<1>(s.position.as_ptr().cast(), *sphere);
             }
         }
-        for (sphere, pair) in second.iter().zip(pair) {
-            let body = clumps.map_or(*sphere, |c| RECORD * c.body[(*sphere / RECORD) as usize]);
-            ask_for(s.mean_spin.as_ptr().cast(), body);
-            ask_for(s.velocities.as_ptr().cast(), 2 * body);
+        // SAFETY: by the caller.
+        let bodies = clumps.map_or(*second, |c| unsafe { bodies_of(c, second) });
+        for (body, pair) in bodies.into_iter().zip(pair) {
+            ask_for::<1>(s.mean_spin.as_ptr().cast(), body);
+            ask_for::<2>(s.velocities.as_ptr().cast(), body);
             if let Some(c) = clumps {
-                ask_for(c.centre.as_ptr().cast(), body);
-                ask_for(c.end_spin.as_ptr().cast(), body);
+                ask_for::<1>(c.centre.as_ptr().cast(), body);
+                ask_for::<1>(c.end_spin.as_ptr().cast(), body);
             }
-            ask_for(memory, *pair);
+            ask_for::<1>(memory, *pair);
         }
     }
 }

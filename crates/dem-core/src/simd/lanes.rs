@@ -262,7 +262,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
 
 /// A record as its beginning is counted: by halves of a number, since addresses take what is counted times one, four or eight.
 /// So those of records, of pairs of them and of sums need no arithmetic.
-pub(crate) const RECORD: u32 = 8;
+pub(super) const RECORD: u32 = 8;
 
 /// Where the numbers of records begin.
 #[inline(always)]

@@ -32,7 +32,7 @@ use std::any::Any;
 
 pub(crate) use clumps::{OnBodies, Placing, Since, Turning};
 pub(crate) use hertz_mindlin::Features;
-pub(crate) use lanes::{Apart, Mask, Numbers, Quad, Quads, RECORD, V3};
+pub(crate) use lanes::{Apart, Mask, Numbers, Quad, Quads, V3};
 pub(crate) use pairs::{PairKernel, Run, Wrenches};
 pub(crate) use reach::{in_reach, keep_marked};
 pub(crate) use wall::WallRun;

@@ -11,7 +11,7 @@ use super::{Arithmetic, Constants, Level};
 use crate::forces::ChunkYield;
 use crate::neighbour::search::lowest_bits;
 use crate::particles::{END, Record};
-use crate::spheres::{ClumpView, SphereView, on_arm};
+use crate::spheres::{ClumpView, SphereView, between, on_arm};
 use crate::sums::Pull;
 use crate::threads::View;
 
@@ -310,9 +310,15 @@ impl PairKernel<'_> {
                 let i = on_clump::<V>(s, c, b.first, xi);
                 let j = on_clump::<V>(s, c, b.second, xj);
                 on = Some([(i.bodies, i.arm), (j.bodies, j.arm)]);
-                let approach = V3::of(i.mean_velocity) - V3::of(j.mean_velocity);
-                let masses = [i.mean_velocity[3], j.mean_velocity[3]];
-                (approach, masses, i.mean_spin, j.mean_spin, i.end_velocity - j.end_velocity)
+                let [approach, end] = if V::FUSED {
+                    let moves = [V3::of(i.velocity) - V3::of(j.velocity), i.end - j.end];
+                    let moves = between(moves, i.arm, i.spins(), c.dt, false);
+                    between(moves, j.arm, j.spins(), c.dt, true)
+                } else {
+                    let (i, j) = (i.moves(c.dt), j.moves(c.dt));
+                    [i[0] - j[0], i[1] - j[1]]
+                };
+                (approach, [i.velocity[3], j.velocity[3]], i.mean_spin, j.mean_spin, end)
             } else {
                 let (approach, masses) =
                     difference::<V, 2, _>(s.velocities, b.first, b.second, mass);
@@ -388,19 +394,55 @@ impl PairKernel<'_> {
     }
 }
 
-/// How spheres on clumps move.
+/// Where spheres sit on clumps, and how those move.
 pub(super) struct OnClump<V> {
     /// Where the numbers of their bodies begin, and where they sit on them.
     pub(super) bodies: [[u32; 8]; MOST],
     pub(super) arm: V3<V>,
     /// Mean velocity and mass.
-    pub(super) mean_velocity: [V; 4],
+    pub(super) velocity: [V; 4],
+    /// Velocity at the end.
+    end: V3<V>,
     /// Mean angular velocity and material.
     pub(super) mean_spin: [V; 4],
-    pub(super) end_velocity: V3<V>,
+    end_spin: V3<V>,
 }
 
-/// `SphereView::motion` of spheres whose numbers begin there and which are at `position`.
+impl<V: Numbers> OnClump<V> {
+    /// Mean velocity of the spheres, and that at the end: `SphereView::motion`.
+    #[inline(always)]
+    pub(super) fn moves(&self, dt: f64) -> [V3<V>; 2] {
+        on_arm(
+            self.arm,
+            [V3::of(self.velocity), V3::of(self.mean_spin)],
+            [self.end, self.end_spin],
+            dt,
+        )
+    }
+
+    #[inline(always)]
+    fn spins(&self) -> [V3<V>; 2] {
+        [V3::of(self.mean_spin), self.end_spin]
+    }
+}
+
+/// Where the records of the bodies of spheres begin, of which that is given.
+///
+/// # Safety
+/// They are spheres.
+#[inline(always)]
+pub(super) unsafe fn bodies_of<const N: usize>(c: &ClumpView<'_>, spheres: &[u32; N]) -> [u32; N] {
+    let mut bodies = [0; N];
+    for (body, sphere) in bodies.iter_mut().zip(spheres) {
+        let sphere = (sphere / RECORD) as usize;
+        debug_assert!(sphere < c.body.len());
+        // SAFETY: by the caller; every sphere has a body.
+        *body = RECORD * unsafe { c.body.get_unchecked(sphere) };
+    }
+    bodies
+}
+
+/// Of spheres whose numbers begin there and which are at `position`.
 ///
 /// # Safety
 /// Every place in `at` is that of a sphere.
@@ -413,7 +455,8 @@ pub(super) unsafe fn on_clump<V: Blocks>(
 ) -> OnClump<V> {
     let mut of_bodies = [[0; 8]; MOST];
     for (of, spheres) in of_bodies.iter_mut().zip(at) {
-        *of = c.bodies_of(spheres);
+        // SAFETY: by the caller.
+        *of = unsafe { bodies_of(c, spheres) };
     }
     let bodies = &of_bodies[..at.len()];
     let [mean, end] = s.numbers_of_velocities();
@@ -428,9 +471,7 @@ pub(super) unsafe fn on_clump<V: Blocks>(
         )
     };
     let arm = position - centre;
-    let [mean, end_velocity] = on_arm(arm, [V3::of(v), V3::of(w)], [end, end_spin], c.dt);
-    let mean_velocity = [mean.x, mean.y, mean.z, v[3]];
-    OnClump { bodies: of_bodies, arm, mean_velocity, mean_spin: w, end_velocity }
+    OnClump { bodies: of_bodies, arm, velocity: v, end, mean_spin: w, end_spin }
 }
 
 /// Vectors of records less those of others, whose numbers begin at `EACH` times that, and both scalars, which are `alike` in all

@@ -218,7 +218,8 @@ impl PairKernel<'_> {
         for g in 0..groups.min(GROUPS) {
             let next = (next.first.get(g), next.second.get(g), next.pair.get(g));
             if let (Some(first), Some(second), Some(pair)) = next {
-                self.ask::<CLUMPS>([first, second, pair], sinks.memory);
+                // SAFETY: by the caller.
+                unsafe { self.ask::<CLUMPS>([first, second, pair], sinks.memory) };
             }
             // SAFETY: by the caller.
             let (given, met, sizes) = unsafe {

@@ -219,7 +219,8 @@ impl PairKernel<'_> {
             match &s.clumps {
                 Some(c) => {
                     let own = on_clump::<V>(s, c, &[begins(&g.places)], V3::of(p));
-                    (p, own.mean_velocity, own.mean_spin, own.end_velocity)
+                    let [mean, end] = own.moves(c.dt);
+                    (p, [mean.x, mean.y, mean.z, own.velocity[3]], own.mean_spin, end)
                 }
                 None => {
                     let [mean, end] = V::gather_twos(s.velocities, &g.places);
