@@ -114,6 +114,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
         }
         self.place_members();
+        // After a fault marks may be those of other steps than wrenches.
+        self.scratch.wrenches.clear_walls();
         self.contact_forces(0.0);
         self.move_bodies(Halves::Sum);
         self.start_integrator();

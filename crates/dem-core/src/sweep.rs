@@ -156,8 +156,6 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
             }
             // What went ahead has left sums behind.
             tiers[..stopped].iter_mut().for_each(|tier| tier.ring = Ring::default());
-            // Not all walls were looked at.
-            s.wrenches.clear_walls();
             self.state.forces_stale = true;
         }
         s.tiers = kept;

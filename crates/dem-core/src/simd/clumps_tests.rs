@@ -65,7 +65,7 @@ fn centres(b: &Bodies) -> Vec<Record> {
     b.torque.iter().map(|t| Record { w: 3e-3, ..*t * 1e4 }).collect()
 }
 
-fn moved(level: Level) -> Bodies {
+fn moved(level: Level, arithmetic: Arithmetic) -> Bodies {
     let (shapes, mut b) = (shapes(), bodies());
     let centre: Vec<Record> = centres(&b);
     let (reference, attitude) =
@@ -92,7 +92,7 @@ fn moved(level: Level) -> Bodies {
             since,
             farthest: &mut farthest,
         }
-        .run(level, Arithmetic::Exact);
+        .run(level, arithmetic);
         b.farthest.push(farthest.square);
         assert!(farthest.too_far);
     }
@@ -104,7 +104,7 @@ fn moved(level: Level) -> Bodies {
         first: &b.first,
         position: &mut b.position,
     }
-    .run(level, Arithmetic::Exact);
+    .run(level, arithmetic);
     b
 }
 
@@ -143,7 +143,7 @@ fn no_sphere_moves_further_than_told() {
 
 #[test]
 fn eight_bodies_move_as_one_does_to_the_bit() {
-    let one = moved(Level::Portable);
+    let one = moved(Level::Portable, Arithmetic::Exact);
     // The fastest turns by half a radian a step; its arm is as long as it was.
     assert!(one.mean_spin[6].vector().length() * 2e-5 > 0.3);
     let length = (one.position[12].vector() - centres(&one)[6].vector()).length()
@@ -153,7 +153,48 @@ fn eight_bodies_move_as_one_does_to_the_bit() {
     assert_eq!(one.position[16], centres(&one)[8]);
     let widest = Level::detect();
     if widest != Level::Portable {
-        assert_eq!(one, moved(Level::Avx2));
-        assert_eq!(one, moved(widest));
+        assert_eq!(one, moved(Level::Avx2, Arithmetic::Exact));
+        assert_eq!(one, moved(widest, Arithmetic::Exact));
+    }
+}
+
+#[test]
+fn fused_turns_and_places_are_those_of_exact_ones_to_rounding() {
+    let widest = Level::detect();
+    if widest == Level::Portable {
+        return;
+    }
+    let (exact, fused) = (moved(widest, Arithmetic::Exact), moved(Level::Avx2, Arithmetic::Fused));
+    assert_eq!(fused, moved(widest, Arithmetic::Fused));
+    assert_ne!(fused, exact);
+    // Three turns of some fifty operations each, most of them of numbers as large as what comes of them.
+    let bound = 50.0 * f64::EPSILON;
+    for (own, other) in fused.attitude.iter().zip(&exact.attitude) {
+        assert!((*own - *other).length() < bound, "{own} {other}");
+    }
+    let columns =
+        |b: &Bodies| [&b.momentum, &b.mean_spin, &b.end_spin, &b.position].map(Vec::clone);
+    for (own, other) in columns(&fused).into_iter().zip(columns(&exact)) {
+        for (own, other) in own.iter().zip(&other) {
+            let off = (own.vector() - other.vector()).length();
+            assert!(off <= bound * other.vector().length(), "{own:?} {other:?}");
+            assert_eq!(own.w, other.w);
+        }
+    }
+    // Who is beside a body does not matter to it, nor how many are.
+    let (shapes, centre) = (shapes(), centres(&fused));
+    for k in 0..fused.shape.len() {
+        let own = fused.first[k] as usize..fused.first[k + 1] as usize;
+        let mut alone = vec![Record::ZERO; own.len()];
+        Placing {
+            shapes: &shapes,
+            shape: &fused.shape[k..=k],
+            attitude: &fused.attitude[k..=k],
+            centre: &centre[k..=k],
+            first: &fused.first[k..=k + 1],
+            position: &mut alone,
+        }
+        .run(widest, Arithmetic::Fused);
+        assert_eq!(alone, fused.position[own], "{k}");
     }
 }

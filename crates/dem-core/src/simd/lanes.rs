@@ -255,7 +255,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     fn scatter(fields: [Self; 4], to: &mut [Record; 8]) {
         // SAFETY: eight records are eight times four numbers.
         unsafe {
-            Self::put_quads(fields, to.as_mut_ptr().cast(), &begins(&[0, 1, 2, 3, 4, 5, 6, 7]))
+            Self::put_quads(fields, to.as_mut_ptr().cast(), &begins(&[0, 1, 2, 3, 4, 5, 6, 7]));
         }
     }
 }

@@ -380,8 +380,12 @@ mod tests {
 
     type Model = ContactModel<HertzTailCut, Mindlin, ConstantTorque, Cohesionless>;
 
-    /// Beads in a drum, of so many materials of one law, whose radii scatter or not.
-    fn beads(kernels: Kernels, materials: usize, scatter: f64) -> World<Model> {
+    /// Bodies in a drum, of so many materials of one law, which are put at places of a grid.
+    fn filled(
+        kernels: Kernels,
+        materials: usize,
+        mut put: impl FnMut(&mut WorldBuilder<Model>, usize, DVec3, MaterialId),
+    ) -> World<Model> {
         let material = Material::from_shear_modulus(2.52e7, 0.29, 2500.0);
         let mut b = WorldBuilder::<Model>::new(2e-5);
         let all: Vec<MaterialId> = (0..materials).map(|_| b.material(material)).collect();
@@ -411,11 +415,43 @@ mod tests {
             let at = DVec3::new((k % 6) as f64, (k / 6 % 6) as f64, (k / 36) as f64) - 2.5;
             // Rows are shifted, so that beads do not stand on each other.
             let at = at * 4.1e-3 + DVec3::X * 3e-4 * (k / 6 % 2) as f64;
-            let radius = 2e-3 * (1.0 - scatter * (k % 7) as f64 / 7.0);
-            let own = all[k % materials];
-            b.sphere(Sphere::at(at, radius, own).with_spin(DVec3::new(3.0, 1.0, 2.0)));
+            put(&mut b, k, at, all[k % materials]);
         }
         b.build().unwrap()
+    }
+
+    /// Beads whose radii scatter or not.
+    fn beads(kernels: Kernels, materials: usize, scatter: f64) -> World<Model> {
+        filled(kernels, materials, |b, k, at, own| {
+            let radius = 2e-3 * (1.0 - scatter * (k % 7) as f64 / 7.0);
+            b.sphere(Sphere::at(at, radius, own).with_spin(DVec3::new(3.0, 1.0, 2.0)));
+        })
+    }
+
+    /// Clumps of two beads that are not alike.
+    fn dumbbells(kernels: Kernels, materials: usize) -> World<Model> {
+        let sphere = |x: f64, radius| ClumpSphere { centre: DVec3::X * x, radius };
+        let mut shapes = Vec::new();
+        filled(kernels, materials, |b, k, position, material| {
+            let spheres = vec![sphere(-0.8e-3, 1.2e-3), sphere(0.9e-3, 1e-3)];
+            let inertia = DMat3::from_diagonal(DVec3::new(2.0, 4.0, 4.0) * 1e-11);
+            let spec =
+                ClumpSpec { spheres, mass: 3e-5, centre_of_mass: DVec3::ZERO, inertia, material };
+            let shape = match shapes.get(k % materials) {
+                Some(shape) => *shape,
+                None => {
+                    shapes.push(b.clump_shape(spec.try_into().unwrap()));
+                    shapes[k]
+                }
+            };
+            b.clump(PlacedClump {
+                shape,
+                position,
+                orientation: DQuat::from_rotation_y(0.3 * k as f64),
+                velocity: DVec3::ZERO,
+                spin: DVec3::new(3.0, 1.0, 2.0),
+            });
+        })
     }
 
     /// Where beads are and how they move after a while, bit by bit, by the registers of a level.
@@ -440,6 +476,8 @@ mod tests {
             assert_eq!(wide, run(Kernels::Fused, Level::Avx2));
             assert_ne!(wide, run(Kernels::Fastest, Level::Avx512));
         }
+        let run = |level| after_a_while(dumbbells(Kernels::Fused, 1), level);
+        assert_eq!(run(Level::Avx512), run(Level::Avx2));
     }
 
     #[test]
@@ -450,6 +488,8 @@ mod tests {
         for kernels in [Kernels::Fastest, Kernels::Fused] {
             let run = |materials| after_a_while(beads(kernels, materials, 0.3), Level::Avx2);
             assert_eq!(run(1), run(2), "{kernels:?}");
+            let run = |materials| after_a_while(dumbbells(kernels, materials), Level::Avx2);
+            assert_eq!(run(1), run(2), "{kernels:?}, clumps");
         }
     }
 

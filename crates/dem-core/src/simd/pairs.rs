@@ -73,8 +73,8 @@ impl Sinks {
         while left != 0 {
             // SAFETY: by the caller.
             unsafe {
-                *self.active.add((pairs[left.trailing_zeros() as usize] / RECORD) as usize) = 0
-            };
+                *self.active.add((pairs[left.trailing_zeros() as usize] / RECORD) as usize) = 0;
+            }
             left &= left - 1;
         }
     }
