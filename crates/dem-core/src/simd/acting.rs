@@ -23,7 +23,8 @@ pub(super) struct Room {
     second: [MaybeUninit<u32>; MOST],
 }
 
-/// Pairs of a run that touch, or did when they were computed last: where their numbers begin. Filled up to a whole block with the place of a pair that does neither, and its spheres or those of a pair that acts.
+/// Pairs of a run that touch, or did when they were computed last: where their numbers begin. Filled up to a whole block with
+/// those of a pair that does neither, and its spheres or those of a pair that acts.
 pub(super) struct Acting<'r> {
     /// In the run.
     pub(super) pair: &'r [u32],

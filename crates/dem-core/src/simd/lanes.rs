@@ -159,7 +159,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     /// All of them can be written.
     unsafe fn put_quads(fields: [Self; 4], to: *mut f64, at: &[u32; 8]);
     /// Add eight wrenches (force, torques on the first and on the second sphere, as fields) one after the other
-    /// to the sums of their spheres: of where their numbers begin counts what is `within`, and twice that far lie
+    /// to the sums of their spheres: of where their records begin counts what is `within`, and that many numbers on lie
     /// four numbers of force (the second sphere feels the opposite) and four of torque.
     ///
     /// # Safety
