@@ -137,7 +137,7 @@ fn ask_for<const EACH: usize>(from: *const f64, at: u32) {
 
 impl PairKernel<'_> {
     /// Gather what the contacts of a batch know, of spheres that are `ALIKE` or of any two, by the usual law or by
-    /// `MORE`.
+    /// `MORE`, which may sit on `CLUMPS` or do not.
     ///
     /// # Safety
     /// AVX2 is there, every place is that of a sphere, and the contacts' memory begins at `memory`.

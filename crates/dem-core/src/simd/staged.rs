@@ -55,7 +55,7 @@ struct Desk<const FUSED: bool> {
 
 impl PairKernel<'_> {
     /// Compute the pairs that act, of spheres that are `ALIKE` or of any two, by the usual law or by `MORE`: by one law
-    /// in any case.
+    /// in any case. Only where there may be `CLUMPS` do spheres sit on them.
     ///
     /// # Safety
     /// AVX2 is there, every place is that of a sphere, and the sinks hold what the pairs write.
