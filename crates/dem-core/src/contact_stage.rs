@@ -297,8 +297,8 @@ fn place_on_meshes<M: ContactLaw>(
     nearest.clear();
 }
 
-/// Contacts of some entries of the wall list. `clear` says that entries without a mark have no wrench already: those that stay
-/// without one are left alone then.
+/// Contacts of some entries of the wall list. `clear` says that entries without a mark have no wrench already: for those that stay
+/// without one none need be written then.
 pub(crate) fn wall_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,

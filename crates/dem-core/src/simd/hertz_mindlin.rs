@@ -39,11 +39,6 @@ impl Features {
         form: Form { total_spring: false, absolute_spin: false },
     };
 
-    /// Whether laws are the usual ones.
-    pub(super) fn are_usual(self) -> bool {
-        self == Self::NONE
-    }
-
     /// Forms of the laws.
     pub(super) fn form(self) -> Form {
         self.form

@@ -235,7 +235,7 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
     unsafe fn gather(records: View<'_, Record>, places: &[u32; 8]) -> [Self; 4] {
         debug_assert!(places.iter().all(|p| (*p as usize) < records.len()));
         // SAFETY: by the caller; a record is four numbers.
-        unsafe { Self::quads::<8>(records.as_ptr().cast(), places) }
+        unsafe { Self::quads::<{ RECORD as usize }>(records.as_ptr().cast(), places) }
     }
     /// The first and the second ones of pairs of records, eight pairs at these places.
     ///
@@ -247,7 +247,10 @@ pub(crate) trait Lanes: Numbers<Mask = u8> {
         // SAFETY: by the caller; a pair of records is eight numbers.
         unsafe {
             let from: *const f64 = pairs.as_ptr().cast();
-            [Self::quads::<16>(from, places), Self::quads::<16>(from.add(4), places)]
+            [
+                Self::quads::<{ 2 * RECORD as usize }>(from, places),
+                Self::quads::<{ 2 * RECORD as usize }>(from.add(4), places),
+            ]
         }
     }
     /// Eight records from their fields.

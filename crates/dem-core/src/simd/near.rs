@@ -3,7 +3,7 @@
 use std::slice::from_ref;
 
 use super::Level;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, RECORD};
 use super::pairs::{PairKernel, difference};
 use crate::neighbour::Period;
 
@@ -19,7 +19,7 @@ impl ToldOfBlock for u8 {
     #[inline(always)]
     unsafe fn of<V: Lanes>(kernel: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> Self {
         // SAFETY: by the caller.
-        unsafe { kernel.near::<V, 8>(first, second) }
+        unsafe { kernel.near::<V, { RECORD as usize }>(first, second) }
     }
 }
 
@@ -28,7 +28,7 @@ impl ToldOfBlock for [f64; 8] {
     #[inline(always)]
     unsafe fn of<V: Lanes>(kernel: &PairKernel<'_>, first: &[u32; 8], second: &[u32; 8]) -> Self {
         // SAFETY: by the caller.
-        let (d2, sum) = unsafe { kernel.apart::<V, 8>(first, second) };
+        let (d2, sum) = unsafe { kernel.apart::<V, { RECORD as usize }>(first, second) };
         let mut gaps = [0.0; 8];
         (d2.sqrt() - sum).store(&mut gaps);
         gaps

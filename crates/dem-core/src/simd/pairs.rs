@@ -189,7 +189,8 @@ impl PairKernel<'_> {
                 };
             }
             let alike = self.one_size.is_some() && self.constants.len() == 1;
-            let of = match (self.features.are_usual(), self.spheres.clumps.is_some(), alike) {
+            let usual = self.features == Features::NONE;
+            let of = match (usual, self.spheres.clumps.is_some(), alike) {
                 (true, false, true) => chosen!(true, false, false),
                 (true, false, false) => chosen!(false, false, false),
                 (true, true, _) => chosen!(false, false, true),
