@@ -9,6 +9,7 @@ use crate::forces::{ChunkYield, Contacts, Late, MemoryRun};
 use crate::geometry::Nearest;
 use crate::neighbour::near_order::Looks;
 use crate::neighbour::verlet_list::{LANES, PairList};
+use crate::neighbour::wall_gaps::Far;
 use crate::neighbour::wall_list::WallList;
 use crate::particles::Record;
 use crate::simd::{Level, PairKernel, Run, WallRun, Wrenches};
@@ -104,6 +105,7 @@ pub(crate) fn all_contacts<M: ContactLaw>(
         },
     };
     let (sphere, wall, nearest) = (&walls.sphere[..], &walls.wall[..], &s.mesh_nearest[..]);
+    let far = s.wall_gaps.far(entries, moved, s.wall_shift);
     let wall_stage = Stage {
         count: shares.runs(),
         shares: &shares.walls,
@@ -125,7 +127,8 @@ pub(crate) fn all_contacts<M: ContactLaw>(
             let nearest = nearest.get(begin..end).unwrap_or_default();
             let entries = (&sphere[begin..end], &wall[begin..end]);
             let parts = (active, numbers, force, torque, on_wall, &mut *into);
-            wall_contacts(context, vector, (slots, true), entries, nearest, parts);
+            let far = Some(far.of(begin..end));
+            wall_contacts(context, vector, (slots, far), entries, nearest, parts);
             into[0].tell(&mut told[0]);
         },
     };
@@ -297,12 +300,12 @@ fn place_on_meshes<M: ContactLaw>(
     nearest.clear();
 }
 
-/// Contacts of some entries of the wall list. `clear` says that entries without a mark have no wrench already: for those that stay
-/// without one none need be written then.
+/// Contacts of some entries of the wall list. Where it is told which of them are `far`, entries without a mark have no wrench already:
+/// for those that stay without one none need be written then.
 pub(crate) fn wall_contacts<M: ContactLaw>(
     context: &Contacts<'_, M>,
     vector: Option<(Level, &PairKernel<'_>)>,
-    (slots, clear): (usize, bool),
+    (slots, far): (usize, Option<Far<'_>>),
     (sphere, wall): (&[u32], &[u16]),
     mesh_nearest: &[Option<Nearest>],
     (active, numbers, force, torque, on_wall, into): PairParts<'_>,
@@ -312,8 +315,7 @@ pub(crate) fn wall_contacts<M: ContactLaw>(
     if let (Some((level, kernel)), true) = (vector, mesh_nearest.is_empty()) {
         let walls = context.walls;
         let memory = numbers;
-        let mut run =
-            WallRun { walls, sphere, wall, active, memory, force, torque, on_wall, clear };
+        let mut run = WallRun { walls, sphere, wall, active, memory, force, torque, on_wall, far };
         kernel.wall_contacts(level, &mut run, into);
         return;
     }

@@ -242,16 +242,19 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
 
     /// Whether a wall may have come within reach of a sphere that is not listed with it.
     pub(crate) fn walls_moved_far(&self) -> bool {
-        if self.state.walls.iter().all(|w| w.motion == crate::geometry::Motion::default()) {
-            return false;
-        }
-        let turn = self.turn_since_list(self.time());
-        self.walls_shifted_far(&self.scratch.placed, &turn)
+        self.is_far(self.shift_of_walls())
     }
 
-    fn walls_shifted_far(&self, placed: &[PlacedWall], turn: &Turn) -> bool {
-        // The wall list reaches a skin far; half of it is left to the spheres.
-        let shift = self.wall_shift(placed, turn);
+    /// Largest shift of any wall surface by now since the list was made, in its frame, m.
+    pub(crate) fn shift_of_walls(&self) -> f64 {
+        if self.state.walls.iter().all(|w| w.motion == crate::geometry::Motion::default()) {
+            return 0.0;
+        }
+        self.wall_shift(&self.scratch.placed, &self.turn_since_list(self.time()))
+    }
+
+    /// Whether walls have moved further than the list allows: it reaches a skin far, and half of that is left to the spheres.
+    fn is_far(&self, shift: f64) -> bool {
         shift.is_nan() || shift > 0.5 * self.make.skin
     }
 
@@ -295,7 +298,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         let stays = |step: &u64| {
             let time = (self.state.step + step) as f64 * self.make.dt;
             self.place_walls(&mut placed, time, self.make.dt);
-            !self.walls_shifted_far(&placed, &self.turn_since_list(time))
+            !self.is_far(self.wall_shift(&placed, &self.turn_since_list(time)))
         };
         let holds = (1..=holds).take_while(stays).count() as u64;
         self.scratch.placed_later = placed;

@@ -111,6 +111,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.scratch.shares.forget();
         self.scratch.whole.forget();
         self.scratch.near_order.forget();
+        self.scratch.wall_gaps.forget();
         // How far bodies have moved since its list was made is not known.
         self.scratch.stride = f64::INFINITY;
         self.make.gravity = snapshot.gravity;

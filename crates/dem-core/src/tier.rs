@@ -133,7 +133,7 @@ impl Ahead<'_> {
             );
             let entries = (&walls.sphere[own.clone()], &walls.wall[own]);
             // The wrenches are those of a tier, which had other steps before.
-            wall_contacts(context, self.vector, (walls.slots, false), entries, &[], parts);
+            wall_contacts(context, self.vector, (walls.slots, None), entries, &[], parts);
             tier.deep[1] = deeper(tier.deep[1], into[0].deep.take());
             tier.walls += 1;
         }

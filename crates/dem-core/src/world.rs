@@ -19,6 +19,7 @@ use crate::neighbour::Period;
 use crate::neighbour::cell_list::CellList;
 use crate::neighbour::near_order::{Moved, NearOrder};
 use crate::neighbour::verlet_list::{Found, PairList};
+use crate::neighbour::wall_gaps::WallGaps;
 use crate::neighbour::wall_list::{NearWalls, WallList};
 use crate::particles::{Bodies, Column, END, ParticleId, Record};
 use crate::rigid::Clump;
@@ -209,6 +210,9 @@ pub(crate) struct Scratch {
     pub(crate) members_placed: bool,
     /// Walls near spheres, in chunks of bodies.
     pub(crate) near_walls: Vec<NearWalls>,
+    pub(crate) wall_gaps: WallGaps,
+    /// By how much surfaces of walls have moved since the list was made, m.
+    pub(crate) wall_shift: f64,
     pub(crate) order: Vec<u32>,
     pub(crate) old_sphere_place: Vec<u32>,
     /// Where each sphere of the old list is now.

@@ -173,6 +173,17 @@ impl PlacedWall {
         };
     }
 
+    /// Whether the distance of a point from an analytic shape changes by no more than what the point moves: not where the inside of a
+    /// cylinder ends.
+    pub(crate) fn is_steady(&self) -> bool {
+        match &self.shape {
+            PlacedShape::Plane(_) | PlacedShape::Disc(_) => true,
+            PlacedShape::Cylinder(c) => c.length.is_none(),
+            #[cfg(feature = "mesh")]
+            PlacedShape::Mesh => false,
+        }
+    }
+
     /// Whether a sphere of `radius` at `x` surely does not touch an analytic shape: no root.
     #[inline(always)]
     pub(crate) fn misses(&self, x: DVec3, radius: f64) -> bool {

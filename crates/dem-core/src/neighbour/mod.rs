@@ -7,6 +7,7 @@ pub(crate) mod cell_list;
 pub(crate) mod near_order;
 pub(crate) mod search;
 pub(crate) mod verlet_list;
+pub(crate) mod wall_gaps;
 pub(crate) mod wall_list;
 mod wall_search;
 

@@ -30,8 +30,8 @@ pub(crate) struct WallList {
 /// Walls near the spheres of some bodies.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct NearWalls {
-    /// Sphere and wall.
-    entries: Vec<(u32, u16)>,
+    /// Sphere, wall and what is told of the gap between them.
+    entries: Vec<(u32, u16, f32)>,
     /// Which of `facets` are in reach of an entry, if any are of meshes.
     facets_of: Vec<[u32; 2]>,
     pub(crate) facets: Vec<u32>,
@@ -49,13 +49,18 @@ impl NearWalls {
         self.in_reach.clear();
     }
 
-    /// A sphere is near a wall: of a mesh, near these of its facets.
-    pub(crate) fn push(&mut self, sphere: u32, wall: u16, facets: Option<[u32; 2]>) {
+    /// A sphere is near a wall, by this gap: of a mesh, near these of its facets.
+    pub(crate) fn push(&mut self, sphere: u32, wall: u16, gap: f32, facets: Option<[u32; 2]>) {
         if facets.is_some() || !self.facets_of.is_empty() {
             self.facets_of.resize(self.entries.len(), [0; 2]);
             self.facets_of.push(facets.unwrap_or_default());
         }
-        self.entries.push((sphere, wall));
+        self.entries.push((sphere, wall, gap));
+    }
+
+    /// What is told of the gaps, and spheres.
+    pub(crate) fn gaps(&self) -> impl Iterator<Item = (f32, u32)> {
+        self.entries.iter().map(|(sphere, _, gap)| (*gap, *sphere))
     }
 }
 
@@ -78,7 +83,7 @@ impl WallList {
     /// Go on with the walls near the next spheres.
     pub(crate) fn append(&mut self, near: &NearWalls) {
         let before = self.facets.len() as u32;
-        for (k, &(sphere, wall)) in near.entries.iter().enumerate() {
+        for (k, &(sphere, wall, _)) in near.entries.iter().enumerate() {
             let facets = near.facets_of.get(k).copied().unwrap_or_default();
             self.close(sphere as usize);
             self.sphere.push(sphere);
@@ -134,13 +139,14 @@ mod tests {
     fn walls_near_runs_of_spheres_follow_each_other_with_their_facets() {
         let (mut first, mut second) = (NearWalls::default(), NearWalls::default());
         first.begin(3);
-        first.push(0, 1, None);
+        first.push(0, 1, 5.0, None);
         first.facets.extend([7, 8]);
-        first.push(2, 2, Some([0, 2]));
-        first.push(2, 1, None);
+        first.push(2, 2, -1.0, Some([0, 2]));
+        first.push(2, 1, 3.0, None);
         second.begin(3);
         second.facets.push(9);
-        second.push(4, 2, Some([0, 1]));
+        second.push(4, 2, -1.0, Some([0, 1]));
+        assert!(first.gaps().eq([(5.0, 0), (-1.0, 2), (3.0, 2)]));
         let mut list = WallList::default();
         list.clear(4);
         list.append(&first);

@@ -2,6 +2,7 @@
 
 use crate::contact::model::ContactLaw;
 use crate::integrate::Integrator;
+use crate::neighbour::wall_gaps::told;
 use crate::neighbour::wall_list::NearWalls;
 use crate::threads::{PART, cut, part};
 use crate::world::World;
@@ -21,6 +22,13 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         list.close(self.sphere_positions().len());
         let old_place = sorted.then_some(&self.scratch.old_sphere_place[..]);
         list.take_over(&self.scratch.old_walls, old_place);
+        let (members, gaps) = (&self.state.members, &mut self.scratch.wall_gaps);
+        if members.body.is_empty() {
+            gaps.forget();
+        } else {
+            let of = near.iter().flat_map(NearWalls::gaps);
+            gaps.make(of.map(|(gap, sphere)| (gap, members.body[sphere as usize])));
+        }
         self.scratch.near_walls = near;
         self.state.wall_list = list;
     }
@@ -52,7 +60,8 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                 if let Some(nearest) = wall.nearest(p.vector()) {
                     // A centre further behind the surface than its diameter is on the other side.
                     if nearest.distance < p.w + range && nearest.distance > -(p.w + range) {
-                        near.push(k as u32, w as u16, None);
+                        let gap = if wall.is_steady() { nearest.distance - p.w } else { -range };
+                        near.push(k as u32, w as u16, told(gap, range), None);
                     }
                 }
                 #[cfg(feature = "mesh")]
@@ -63,7 +72,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
                     let end = near.facets.len() as u32;
                     if end > begin {
                         for _ in 0..crate::geometry::mesh::CONTACTS_PER_SPHERE {
-                            near.push(k as u32, w as u16, Some([begin, end]));
+                            near.push(k as u32, w as u16, -1.0, Some([begin, end]));
                         }
                     }
                 }

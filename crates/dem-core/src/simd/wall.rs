@@ -15,6 +15,7 @@ use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::PlacedWall;
 use crate::neighbour::search::lowest_bits;
 use crate::neighbour::verlet_list::memory_index;
+use crate::neighbour::wall_gaps::{ENTRIES, Far, all};
 use crate::particles::Record;
 use crate::threads::View;
 
@@ -28,12 +29,12 @@ pub(crate) struct WallRun<'a> {
     pub(crate) force: &'a mut [Record],
     pub(crate) torque: &'a mut [Record],
     pub(crate) on_wall: &'a mut [Record],
-    /// Entries without a mark have no wrench already.
-    pub(crate) clear: bool,
+    /// Which entries are far, if those without a mark have no wrench already.
+    pub(crate) far: Option<Far<'a>>,
 }
 
 /// Most entries that are collected before they are computed.
-const HITS: usize = 256;
+const HITS: usize = ENTRIES;
 
 impl PairKernel<'_> {
     /// Compute a chunk of the wall list.
@@ -74,12 +75,26 @@ impl PairKernel<'_> {
         entries: std::ops::Range<usize>,
         hits: &mut [u32; HITS],
     ) -> usize {
+        let mut near = [0; HITS];
+        let some = match &run.far {
+            Some(far) => far.near(entries.clone(), run.active, &mut near),
+            None => all(entries.clone(), &mut near),
+        };
+        debug_assert!(
+            (entries.start as u32..entries.end as u32)
+                .filter(|e| near[..some].binary_search(e).is_err())
+                .all(|e| {
+                    let centre = &self.spheres.position[run.sphere[e as usize] as usize];
+                    run.walls[usize::from(run.wall[e as usize])].misses(centre.vector(), centre.w)
+                }),
+            "a sphere that is told to be far does not touch"
+        );
         let mut count = 0;
-        for e in entries {
+        for e in near[..some].iter().map(|e| *e as usize) {
             let centre = &self.spheres.position[run.sphere[e] as usize];
             let wall = &run.walls[run.wall[e] as usize];
             let misses = run.active[e] == 0 && wall.misses(centre.vector(), centre.w);
-            if misses && !run.clear {
+            if misses && run.far.is_none() {
                 run.force[e] = Record::ZERO;
                 run.torque[e] = Record::ZERO;
                 run.on_wall[e] = Record::ZERO;
