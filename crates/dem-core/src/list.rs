@@ -245,8 +245,15 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
         self.is_far(self.shift_of_walls())
     }
 
+    /// Tell those who ask which spheres are far from walls by how much these have moved: in beds of clumps alone.
+    pub(crate) fn tell_shift_of_walls(&mut self) {
+        if self.has_clumps() {
+            self.scratch.wall_shift = self.shift_of_walls();
+        }
+    }
+
     /// Largest shift of any wall surface by now since the list was made, in its frame, m.
-    pub(crate) fn shift_of_walls(&self) -> f64 {
+    fn shift_of_walls(&self) -> f64 {
         if self.state.walls.iter().all(|w| w.motion == crate::geometry::Motion::default()) {
             return 0.0;
         }

@@ -125,7 +125,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     /// the list may miss a pair.
     pub(crate) fn one_pass(&mut self) -> Result<bool, Error> {
         let (integrator, dt) = (self.integrator, self.make.dt);
-        self.scratch.wall_shift = self.shift_of_walls();
+        self.tell_shift_of_walls();
         let mut pairs = std::mem::take(&mut self.state.pairs);
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut bodies = std::mem::take(&mut self.state.bodies);

@@ -147,7 +147,7 @@ impl<M: ContactLaw + 'static, I: Integrator> World<M, I> {
     pub(crate) fn contact_forces(&mut self, dt: f64) {
         let clumps = self.has_clumps();
         let ledger = self.ledger_wanted;
-        self.scratch.wall_shift = self.shift_of_walls();
+        self.tell_shift_of_walls();
         let mut pairs = std::mem::take(&mut self.state.pairs);
         let mut walls = std::mem::take(&mut self.state.wall_list);
         let mut s = std::mem::take(&mut self.scratch);

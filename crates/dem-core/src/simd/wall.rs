@@ -15,7 +15,7 @@ use crate::forces::{ChunkYield, TOUCHES};
 use crate::geometry::PlacedWall;
 use crate::neighbour::search::lowest_bits;
 use crate::neighbour::verlet_list::memory_index;
-use crate::neighbour::wall_gaps::{ENTRIES, Far, all};
+use crate::neighbour::wall_gaps::{ENTRIES, Far};
 use crate::particles::Record;
 use crate::threads::View;
 
@@ -75,11 +75,11 @@ impl PairKernel<'_> {
         entries: std::ops::Range<usize>,
         hits: &mut [u32; HITS],
     ) -> usize {
-        let mut near = [0; HITS];
-        let some = match &run.far {
-            Some(far) => far.near(entries.clone(), run.active, &mut near),
-            None => all(entries.clone(), &mut near),
+        let Some(far) = run.far.filter(Far::is_known) else {
+            return self.hits_of(run, entries, hits);
         };
+        let mut near = [0; HITS];
+        let some = far.near(entries.clone(), run.active, &mut near);
         debug_assert!(
             (entries.start as u32..entries.end as u32)
                 .filter(|e| near[..some].binary_search(e).is_err())
@@ -89,8 +89,19 @@ impl PairKernel<'_> {
                 }),
             "a sphere that is told to be far does not touch"
         );
+        self.hits_of(run, near[..some].iter().map(|e| *e as usize), hits)
+    }
+
+    /// The same for some entries.
+    #[inline(always)]
+    fn hits_of(
+        &self,
+        run: &mut WallRun<'_>,
+        entries: impl Iterator<Item = usize>,
+        hits: &mut [u32; HITS],
+    ) -> usize {
         let mut count = 0;
-        for e in near[..some].iter().map(|e| *e as usize) {
+        for e in entries {
             let centre = &self.spheres.position[run.sphere[e] as usize];
             let wall = &run.walls[run.wall[e] as usize];
             let misses = run.active[e] == 0 && wall.misses(centre.vector(), centre.w);
